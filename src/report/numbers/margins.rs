@@ -48,7 +48,17 @@ pub struct Reserve {
 }
 
 /// Size of the smallest margin of a resonance to one engine order between two speeds; NaN for a failed sample.
-pub(super) fn margin_size(
+fn margin_size(
+    frequency_hz: f64,
+    operation: &Operation,
+    engine_order: u32,
+    speeds: [f64; 2],
+) -> f64 {
+    signed_margin(frequency_hz, operation, engine_order, speeds).abs()
+}
+
+/// Smallest margin of a resonance to one engine order between two speeds, negative below it; NaN for a failed sample.
+pub(in crate::report) fn signed_margin(
     frequency_hz: f64,
     operation: &Operation,
     engine_order: u32,
@@ -59,7 +69,7 @@ pub(super) fn margin_size(
         MarginBase::Resonance => Denominator::NaturalFrequency,
     };
     frequency_margin(frequency_hz, engine_order, low, high, denominator)
-        .map_or(f64::NAN, |margin| margin.margin.abs())
+        .map_or(f64::NAN, |margin| margin.margin)
 }
 
 /// Size of the smallest margin to any engine order in the range of speeds; NaN for a failed sample.

@@ -6,10 +6,12 @@
 use super::judged::Judged;
 use super::numerical_error::NumericalErrors;
 use crate::ensemble::outcome::SampleOutcome;
-use crate::report::asked::requirement::Criterion;
+use crate::report::asked::requirement::{Criterion, Operation};
+use crate::report::numbers::margins::signed_margin;
+use crate::report::numbers::peaks::values;
 use crate::report::run::input::{RESULTS, ReportInput};
 use crate::report::run::record::RunRecord;
-use crate::statistics::{Observed, quantile_rank};
+use crate::statistics::{Observed, Sorted, quantile, quantile_rank};
 
 /// The number that decides `criterion` at level number `level`, from the samples of one population: the larger, the worse.
 /// Absent where unknown samples leave it open: such a point never passes, and what it would have given nobody knows.
@@ -37,4 +39,20 @@ pub fn badness(
         true => observed.lowest(rank(1.0 - content)).value().map(|v| -v),
         false => observed.highest(rank(content)).value(),
     }
+}
+
+/// On which side of an engine order the resonances of one population lie at level number `level`: their median margin (a share), negative
+/// below the order, 0 where it crosses them in the range of speeds; absent without a solution.
+#[must_use]
+pub fn side_of_order(
+    operation: &Operation,
+    outcomes: &[SampleOutcome],
+    engine_order: u32,
+    level: usize,
+) -> Option<f64> {
+    let speeds = operation.speed_rpm;
+    let margins = values(outcomes, level, |peak| {
+        signed_margin(peak.frequency_hz, operation, engine_order, speeds)
+    });
+    quantile(&Sorted::finite(margins), 0.5)
 }

@@ -12,5 +12,6 @@ mod numerical_error;
 pub mod over_box;
 pub(super) mod sentence;
 
-pub use badness::badness;
+pub use badness::{badness, side_of_order};
 pub use criterion_result::{CriterionResult, LevelResult};
+pub(super) use numerical_error::NumericalErrors;

@@ -12,7 +12,7 @@ use crate::statistics::Enclosed;
 
 /// Errors of the peaks of a study.
 #[derive(Debug, Clone)]
-pub(super) struct NumericalErrors {
+pub(in crate::report) struct NumericalErrors {
     frequency_tolerance: f64,
     damping_ratio: Option<f64>,
     /// Lines that are the same for all peaks: frequency (Hz), amplitude (relative).
@@ -31,7 +31,7 @@ pub(super) enum Solved {
 
 impl NumericalErrors {
     /// Errors of the peaks of a study with the given budget.
-    pub(super) fn of(input: &ReportInput, budget: &[ErrorLine]) -> Self {
+    pub(in crate::report) fn of(input: &ReportInput, budget: &[ErrorLine]) -> Self {
         let about_results =
             |line: &&ErrorLine| !error_budget::NO_NUMERICAL_ERROR.contains(&line.source);
         let lines: Vec<&ErrorLine> = budget.iter().filter(about_results).collect();
@@ -61,7 +61,7 @@ impl NumericalErrors {
     }
 
     /// Ends of the frequency of a peak (Hz).
-    pub(super) fn frequency(&self, peak: &PeakRecord) -> Enclosed {
+    pub(in crate::report) fn frequency(&self, peak: &PeakRecord) -> Enclosed {
         let harmonics = harmonics_shift(self.damping_ratio, peak).unwrap_or(0.0);
         let relative = self.frequency_tolerance + harmonics;
         let error = relative * peak.frequency_hz + self.common[0];
@@ -73,7 +73,7 @@ impl NumericalErrors {
     }
 
     /// Ends of the amplitude of a peak (m).
-    pub(super) fn amplitude(&self, peak: &PeakRecord) -> Enclosed {
+    pub(in crate::report) fn amplitude(&self, peak: &PeakRecord) -> Enclosed {
         let known = [peak.truncation_error.get(), work_imbalance(peak)];
         let relative = known.into_iter().flatten().sum::<f64>() + self.common[1];
         Enclosed {

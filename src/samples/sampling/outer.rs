@@ -63,6 +63,17 @@ impl EpistemicInterval {
             _ => between.clamp(lower, upper),
         }
     }
+
+    /// The share t at which [`Self::at`] gives `value`.
+    #[must_use]
+    pub fn share(&self, value: f64) -> f64 {
+        let on_scale = |value: f64| match self.scale {
+            Scale::Linear => value,
+            Scale::Log => libm::log(value),
+        };
+        let [lower, upper, value] = [self.lower, self.upper, value].map(on_scale);
+        (value - lower) / (upper - lower)
+    }
 }
 
 /// Outer points over the box of the inputs that are known to an interval only; the samples are repeated at each.
@@ -77,7 +88,8 @@ pub struct EpistemicTable {
     #[schemars(range(max = MOST_POINTS))]
     points: Option<u64>,
     /// Further points, at most, for each number that a criterion judges, where it could be worst; 9 per epistemic input if
-    /// absent, none with 0.
+    /// absent, none with 0. Where the resonance lies below an engine order at one point and above it at another, the crossing
+    /// between them is sought by halving their distance, whatever this says.
     #[schemars(range(max = MOST_SEARCH))]
     search: Option<u64>,
 }
@@ -110,6 +122,15 @@ impl OuterPoints {
     pub fn at(&self, unit: &[f64]) -> Vec<f64> {
         let pairs = unit.iter().zip(&self.intervals);
         pairs.map(|(t, interval)| interval.at(*t)).collect()
+    }
+
+    /// The point of the unit cube with these `values`. Shape of both: `[epistemic inputs]`.
+    #[must_use]
+    pub fn unit(&self, values: &[f64]) -> Vec<f64> {
+        let pairs = values.iter().zip(&self.intervals);
+        pairs
+            .map(|(value, interval)| interval.share(*value))
+            .collect()
     }
 }
 

@@ -3,15 +3,24 @@
 //! For each number that a criterion judges, the box is divided where it could be worst. Every point is a population of its
 //! own, of the same random inputs as the others, so that points differ by the epistemic inputs alone. A point that one search
 //! has solved is there for all; what is found depends on the study and its samples alone.
+//!
+//! The size of a frequency margin says nothing of what lies between a point below an engine order and one above it: a resonance that
+//! changes continuously crosses the order there. Such a crossing is sought by halving.
 
 use super::progress::{Meter, Progress};
 use crate::ensemble::further_points::FurtherPoint;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::{Ensemble, Solved};
 use crate::report::RunRecord;
+use crate::report::asked::requirement::{Criterion, Quantity};
 use crate::report::numbers::outer_groups;
-use crate::report::verdict::badness;
+use crate::report::verdict::{badness, side_of_order};
+use crate::sampling::outer::OuterPoints;
 use crate::sampling::rectangles::seek_largest;
+
+/// Halvings of the distance of two points between which the resonance crosses an engine order. If it jumps across, because another mode
+/// becomes the highest, they end at the jump.
+const MOST_HALVINGS: usize = 12;
 
 /// Samples at the points that the search meets beyond the outer points; none for a study without epistemic inputs or
 /// criteria.
@@ -35,6 +44,7 @@ pub(super) fn worst_cases(
                 };
                 places.iter().map(of).collect()
             });
+            known.seek_crossings(outer, record, criterion, level, meter);
         }
     }
     let further = known.points.into_iter().skip(known.given);
@@ -99,5 +109,63 @@ impl<'a> Known<'a> {
         }
         let place = |values: &Vec<f64>| self.points.iter().position(|(known, _)| known == values);
         wanted.iter().filter_map(place).collect()
+    }
+
+    /// Solves points between one below an engine order and one above it, until the resonance crosses the order at one of them, or they
+    /// are as close as [`MOST_HALVINGS`] brings them. Nothing is sought for a criterion that is broken at a known point.
+    fn seek_crossings(
+        &mut self,
+        outer: &OuterPoints,
+        record: &RunRecord,
+        criterion: &Criterion,
+        level: usize,
+        meter: &Meter<impl Fn(Progress) + Sync>,
+    ) {
+        let operation = match (criterion.quantity, &record.requirements.operation) {
+            (Quantity::FrequencyMarginPercent, Some(operation)) => operation,
+            _ => return,
+        };
+        for &order in &operation.engine_orders {
+            for _ in 0..MOST_HALVINGS {
+                let is_broken = self.points.iter().any(|(_, population)| {
+                    badness(record, population, criterion, level)
+                        .is_some_and(|worst| -worst < criterion.limit)
+                });
+                let side = |population: &[SampleOutcome]| {
+                    side_of_order(operation, population, order, level)
+                };
+                let Some(between) = self.between_sides(outer, side).filter(|_| !is_broken) else {
+                    break;
+                };
+                self.places(vec![between], meter);
+            }
+        }
+    }
+
+    /// The point midway between the two closest points on different sides of zero; none if a point lies on it, or if all lie on one side.
+    fn between_sides(
+        &self,
+        outer: &OuterPoints,
+        side: impl Fn(&[SampleOutcome]) -> Option<f64>,
+    ) -> Option<Vec<f64>> {
+        let sides: Vec<(Vec<f64>, f64)> = (self.points.iter())
+            .filter_map(|(values, population)| Some((outer.unit(values), side(population)?)))
+            .collect();
+        if sides.iter().any(|(_, side)| *side == 0.0) {
+            return None;
+        }
+        let of = |sign: f64| sides.iter().filter(move |(_, side)| sign * side > 0.0);
+        let pairs = of(-1.0).flat_map(|(below, _)| of(1.0).map(move |(above, _)| (below, above)));
+        let distance = |(one, other): &(&Vec<f64>, &Vec<f64>)| {
+            let squares = one.iter().zip(*other).map(|(a, b)| (a - b) * (a - b));
+            squares.sum::<f64>()
+        };
+        let (below, above) = pairs.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let middle: Vec<f64> = below
+            .iter()
+            .zip(above)
+            .map(|(a, b)| 0.5 * (a + b))
+            .collect();
+        Some(outer.at(&middle))
     }
 }
