@@ -7,8 +7,10 @@
 
 use super::Ensemble;
 use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, NearAnchor, PathPeak, Place};
+use crate::hb::newton::rest::stiffness_at_rest;
+use crate::hb::peak::attribution::ModeShapes;
 use crate::hb::peak::level_peak::LevelPeak;
-use crate::hb::peak::maxima::{Maxima, ModeSearch};
+use crate::hb::peak::maxima::{Maxima, ModeSearch, PeakChoice};
 use crate::hb::peak::predicted::correct;
 use crate::hb::peak::refine::{refined_anchored, refined_near};
 use crate::hb::peak::search::PeakSettings;
@@ -66,18 +68,33 @@ impl Ensemble<'_> {
         let mut searches: Vec<ModeSearch> = (wanted.iter())
             .map(|&level| self.found_from_atlas(of, level, atlas))
             .collect();
-        let missing: Vec<&mut LevelPeak> = (searches.iter_mut().map(|search| &mut search.peak))
-            .filter(|peak| peak.solution.is_none())
+        let missing: Vec<&mut ModeSearch> = (searches.iter_mut())
+            .filter(|search| search.peak.solution.is_none())
             .collect();
         if !missing.is_empty() {
-            let levels: Vec<f64> = missing.iter().map(|peak| peak.level).collect();
+            let levels: Vec<f64> = missing.iter().map(|search| search.peak.level).collect();
             let tracked = track_mode(of.problem, self.settings, self.peak, of.mode, &levels);
-            for (peak, mut tracked) in missing.into_iter().zip(tracked) {
-                tracked.count += peak.count;
-                *peak = tracked;
+            for (search, mut tracked) in missing.into_iter().zip(tracked) {
+                tracked.count += search.peak.count;
+                search.is_own = self.is_own(of, &tracked);
+                search.peak = tracked;
             }
         }
         searches
+    }
+
+    /// Whether the maximum `found` for a mode is known to be its own, where the study asks for modes.
+    fn is_own(&self, of: &ModeOfSample<'_>, found: &LevelPeak) -> bool {
+        let Some(solution) = &found.solution else {
+            return true;
+        };
+        let of_any = solution.route.is_some_and(PeakRoute::is_of_any_mode);
+        if self.choice == PeakChoice::Highest || !of_any {
+            return true;
+        }
+        let stiffness = stiffness_at_rest(of.problem, self.settings.aft, self.peak.band.low);
+        ModeShapes::new(of.problem.model, &stiffness)
+            .is_ok_and(|shapes| shapes.resembles(of.problem, solution, of.mode.mode))
     }
 
     /// The maximum that is found from the atlas at level number `level`, if any.
@@ -103,7 +120,10 @@ impl Ensemble<'_> {
             Some(solution) => LevelPeak::found(solution, count),
             None => LevelPeak::failed(of.levels[level], Status::StepTooSmall, count),
         };
-        ModeSearch { peak, others }
+        ModeSearch {
+            others,
+            ..ModeSearch::from(peak)
+        }
     }
 
     /// The peak found with the inverse Jacobian of an anchor, from where a device has come to if one has; a peak of another

@@ -58,6 +58,12 @@ impl PeakRoute {
         matches!(self, Self::Predicted | Self::Damped | Self::Followed)
     }
 
+    /// Whether the route leads to the highest maximum of those that it meets, whatever its mode.
+    #[must_use]
+    pub fn is_of_any_mode(self) -> bool {
+        matches!(self, Self::Sliding | Self::SweptOnOne | Self::SweptOnFew)
+    }
+
     /// Name in files and reports.
     #[must_use]
     pub fn name(self) -> &'static str {

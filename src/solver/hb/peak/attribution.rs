@@ -86,6 +86,16 @@ impl ModeShapes {
         named.map(mode).collect()
     }
 
+    /// Whether a maximum may be that of the mode with this number: no other mode is clearly nearer.
+    #[must_use]
+    pub fn resembles(&self, problem: &Problem<'_>, maximum: &Solution, mode: usize) -> bool {
+        let correlations = self.correlations(problem, maximum);
+        let largest = correlations.iter().copied().fold(0.0, f64::max);
+        let of_mode = self.0.iter().position(|shape| shape.mode == mode);
+        let own = of_mode.map_or(0.0, |place| correlations[place]);
+        own > 0.0 && own >= AS_NEAR * largest
+    }
+
     /// Correlation of the first harmonic of a maximum with every mode.
     fn correlations(&self, problem: &Problem<'_>, maximum: &Solution) -> Vec<f64> {
         let part = problem.model.part(1);

@@ -40,13 +40,18 @@ pub struct ModeSearch {
     pub peak: LevelPeak,
     /// Other maxima that the search has found.
     pub others: Vec<Solution>,
+    /// Whether the maximum is known to be that of the mode. A sweep through the band leads to the highest maximum, whatever its mode.
+    pub is_own: bool,
 }
 
 impl From<LevelPeak> for ModeSearch {
     /// A search that has found no other maximum.
     fn from(peak: LevelPeak) -> Self {
-        let others = Vec::new();
-        Self { peak, others }
+        Self {
+            peak,
+            others: Vec::new(),
+            is_own: true,
+        }
     }
 }
 
@@ -87,7 +92,7 @@ pub fn search_maxima<E>(
         }
         let found = search(candidate, &wanted, &maxima)?;
         for (&i, found) in wanted.iter().zip(found) {
-            maxima[i].add(candidate, found);
+            maxima[i].add(candidate, found, choice);
         }
         for i in wanted {
             for misled in maxima[i].misled(candidate.mode) {
@@ -145,19 +150,35 @@ impl Maxima {
         }
     }
 
-    fn add(&mut self, candidate: &Candidate, search: ModeSearch) {
-        let ModeSearch { peak, others } = search;
+    /// Where one mode is wanted, nothing but its own maximum counts.
+    fn add(&mut self, candidate: &Candidate, search: ModeSearch, choice: PeakChoice) {
+        let ModeSearch {
+            mut peak,
+            mut others,
+            is_own,
+        } = search;
         self.count += peak.count;
-        let is_lost = peak.solution.is_none() && peak.status != Status::NoPeakInBand;
+        if matches!(choice, PeakChoice::Mode(_)) {
+            others.clear();
+            if !is_own {
+                peak = LevelPeak::failed(peak.level, Status::StepTooSmall, peak.count);
+            }
+        }
+        let is_missing = peak.solution.is_none() && peak.status != Status::NoPeakInBand;
+        let is_lost = is_missing || !is_own;
         self.unfinished += usize::from(is_lost);
         let of_another = |found: &Solution| self.is_of_another(candidate.mode, found);
         if peak.solution.is_none() && others.iter().all(of_another) {
             self.failed
                 .push((candidate.reach * self.level, peak.status));
         }
+        // not a start for the same mode of other samples
+        let label = match is_own {
+            true => candidate.mode,
+            false => ON_BRANCH + candidate.mode,
+        };
         let found = peak.solution.into_iter().chain(others);
-        self.found
-            .extend(found.map(|solution| (candidate.mode, solution)));
+        self.found.extend(found.map(|solution| (label, solution)));
     }
 
     /// The maximum to which `mode` was tracked, not predicted from other samples.
@@ -368,7 +389,10 @@ mod tests {
 
     fn search(solution: Solution, others: Vec<Solution>) -> ModeSearch {
         let peak = LevelPeak::found(solution, WorkCount::default());
-        ModeSearch { peak, others }
+        ModeSearch {
+            others,
+            ..ModeSearch::from(peak)
+        }
     }
 
     fn failed(status: Status) -> ModeSearch {
@@ -385,7 +409,11 @@ mod tests {
     fn the_highest_maximum_is_reported_and_the_others_are_counted() {
         let end = |others: Vec<Solution>| {
             let mut at = Maxima::none(1.0);
-            at.add(&mode(0, 3.0), search(maximum(100.0, 2.0, 3), others));
+            at.add(
+                &mode(0, 3.0),
+                search(maximum(100.0, 2.0, 3), others),
+                PeakChoice::All,
+            );
             (at.peak().unwrap().omega, at.distinct().len() - 1)
         };
         assert_eq!(end(vec![]), (100.0, 0));
@@ -469,10 +497,18 @@ mod tests {
     fn a_failed_search_that_found_the_maximum_of_another_mode_has_failed() {
         let ends = |other: f64| {
             let mut at = Maxima::none(1.0);
-            at.add(&mode(7, 2.0), search(maximum(103.0, 1.5, 3), Vec::new()));
+            at.add(
+                &mode(7, 2.0),
+                search(maximum(103.0, 1.5, 3), Vec::new()),
+                PeakChoice::All,
+            );
             let others = vec![maximum(other, 1.5, 3)];
             let lost = failed(Status::StepTooSmall);
-            at.add(&mode(4, 3.0), ModeSearch { others, ..lost });
+            at.add(
+                &mode(4, 3.0),
+                ModeSearch { others, ..lost },
+                PeakChoice::All,
+            );
             at.status()
         };
         assert_eq!(ends(103.0), Status::StepTooSmall);
