@@ -110,7 +110,8 @@ impl Applied<'_> {
             }
             Input::InitialTraction => {
                 let law = ensemble.settings.aft.law;
-                self.tractions = Some(shares(value, self.contacts.len(), law));
+                let stiffness = self.contacts.iter().map(|contact| contact.k_t);
+                self.tractions = Some(shares(value, stiffness, law));
             }
             Input::StripThickness | Input::BladeFrequency(_) => {}
             _ => {

@@ -103,8 +103,7 @@ impl AlertSettings {
 pub enum StabilityScope {
     /// None.
     Off,
-    /// Those that would have the status `bouncing-contact` without it: a part that only contacts hold flies, or its contacts are open for
-    /// most of the period. The default of a disk.
+    /// Those where a part that only contacts hold flies, or where contacts are open for more than 60 % of the period. The default of a disk.
     Bouncing,
     /// Those at which a contact is open for part of the period. The default of other models.
     #[default]

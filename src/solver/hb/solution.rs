@@ -144,7 +144,7 @@ impl Solution {
         } = self.contact;
         let wanted = match settings.stability {
             StabilityScope::Off => false,
-            StabilityScope::Bouncing => self.bounces(problem.model),
+            StabilityScope::Bouncing => self.bounces(problem.model) || separated > MOST_SEPARATED,
             StabilityScope::LiftOff => separated > 0.0,
             StabilityScope::All => slip > 0.0 || separated > 0.0,
         };

@@ -150,8 +150,8 @@ pub struct SolverSection {
     #[schemars(extend("default" = true))]
     alert: Option<Alert>,
     /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, those whose
-    /// contacts are open for most of the period, or none. Those that are unstable have the status `unstable`. What is not assessed and is
-    /// open for most of the period has the status `bouncing-contact`. A model of kind `cyclic` is assessed by marching all its sectors, and
+    /// contacts are open for most of the period, or none. Those that are unstable have the status `unstable`. What is not assessed has
+    /// the status `bouncing-contact` where a part that only contacts hold is open for most of the period. A model of kind `cyclic` is assessed by marching all its sectors, and
     /// has the default `"bouncing"`.
     #[schemars(extend("default" = StabilityScope::default()))]
     stability: Option<StabilityScope>,

@@ -273,6 +273,23 @@ fn one_family(n_sectors: usize) -> Disk {
     disk
 }
 
+/// In a band that ends below the resonance of the tuned disk with stuck contacts the amplitude grows towards the end: it has no maximum that
+/// others could be compared with. Seen to fail with the end of the band as the place of the largest amplitude.
+#[test]
+fn an_end_of_the_band_is_no_resonance() {
+    let disk = one_family(6).with_stuck_contacts(&contacts(2));
+    let largest = |band: Band| {
+        let linear = LinearRing::new(&disk, 2, band).expect("definite");
+        linear.largest(&[0.0; 6]).expect("finite")
+    };
+    let peak = largest(search().band).expect("a resonance in the band");
+    let below = Band {
+        high: 0.9999 * peak.omega,
+        ..search().band
+    };
+    assert_eq!(largest(below).map(|found| found.omega), None);
+}
+
 /// The linear disk: the largest amplitude that the subset of nominal modes gives is that of the ring that is not reduced, and no disk exceeds
 /// (1 + √N)/2 times the tuned one, with one family of modes that are equally damped. Seen to fail
 /// with several families of modes in the band (2.0), and with 0.8 of the tuned amplitude.

@@ -91,7 +91,7 @@ pub fn largest_of_blades(
                     best = Some((amplitude, blade, solution));
                 }
             }
-            Err(Status::NoPeakInBand) => {}
+            // of a flank at an end of the band the maximum lies outside
             Err(status) => {
                 end = status;
                 lost = lost.max(seen[at].amplitudes[blade]);

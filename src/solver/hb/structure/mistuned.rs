@@ -291,6 +291,8 @@ pub struct LinearLargest {
 const PLACES: [f64; 9] = [-2.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0];
 /// Of these places the highest ones are refined.
 const REFINED: usize = 4;
+/// A maximum closer to an end of the band than this share of the narrowest half bandwidth lies at the end.
+const AT_END: f64 = 1e-3;
 /// Sections of the golden ratio of one refinement: the amplitude at a maximum is then exact to about 1e-12.
 const SECTIONS: usize = 40;
 
@@ -321,7 +323,7 @@ impl LinearRing {
     }
 
     /// Its largest amplitude with these relative deviations of the blades' frequencies, over all blades and frequencies of the band. None
-    /// where no mode is near the band.
+    /// where no mode is near the band, and where the amplitude is largest at an end of the band: then it is no maximum.
     ///
     /// # Errors
     /// [`LinalgError`] if the eigensolver fails.
@@ -360,7 +362,13 @@ impl LinearRing {
             .iter()
             .map(|(at, half)| self.refined(&stiffness, *at, *half));
         let highest = refined.reduce(|a, b| if b.amplitude > a.amplitude { b } else { a });
-        Ok(highest.filter(|_| n > 0))
+        // towards an end of the band the amplitude grows to a resonance outside it
+        let inside = |at: &LinearLargest| {
+            let ends = [self.band.low, self.band.high];
+            ends.iter()
+                .all(|end| (at.omega - end).abs() > AT_END * narrowest)
+        };
+        Ok(highest.filter(|at| n > 0 && inside(at)))
     }
 
     /// The largest amplitude at one frequency.
