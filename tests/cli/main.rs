@@ -34,6 +34,7 @@ mod run;
 mod schema;
 mod serve;
 mod shell;
+mod small_models;
 mod solve;
 mod stability;
 mod stick_limit;

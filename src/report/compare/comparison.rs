@@ -1,7 +1,7 @@
 //! The numbers of a comparison: `comparison.json`.
 //!
-//! Sample i of every design has the same random numbers, so the difference of a pair is due to the designs alone. A pair
-//! of which one failed is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
+//! Sample i of every design has the same random numbers, so the difference of a pair is due to the designs alone where it is larger than
+//! the numerical errors of both. A pair of which one failed is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
 //! apart: together they are no population.
 
 use crate::report::convention::CONFIDENCE;
@@ -11,11 +11,12 @@ use crate::report::numbers::outer_points::{chosen, outer_groups};
 use crate::report::numbers::peaks::values;
 use crate::report::run::record::InputRecord;
 use crate::report::run::stored_run::StoredRun;
-use crate::statistics::{Better, Bootstrap, Comparison, Ranking, compare, rank_designs};
+use crate::report::verdict::NumericalErrors;
+use crate::statistics::{Better, Bootstrap, Comparison, Enclosed, Ranking, compare, rank_designs};
 use serde::Serialize;
 use std::path::Path;
 
-/// Relative resolution of a peak: what closer results differ by says nothing about the designs.
+/// Relative resolution of a peak without estimated error: what closer results differ by says nothing about the designs.
 const RESOLUTION: f64 = 1e-6;
 /// Resamples behind the probability of a ranking.
 const REPLICATES: u32 = 1000;
@@ -82,10 +83,27 @@ impl Compared {
         }
     }
 
-    /// Largest difference of two values that is no difference.
+    /// What is wrong at most in each value at level `i`, in its unit, as far as it is estimated: harmonics left out, and the place of the
+    /// peak. NaN where a sample failed.
+    fn errors(self, run: &StoredRun, i: usize) -> Vec<f64> {
+        let errors = NumericalErrors::of(&run.input(), &[]);
+        let stress = run.record.requirements.stress.as_ref();
+        let half = |ends: Enclosed| 0.5 * (ends.upper - ends.lower);
+        values(&run.outcomes, i, |peak| match self {
+            Self::FrequencyHz => half(errors.frequency(peak)),
+            Self::AmplitudeM => half(errors.amplitude(peak)),
+            // a share of the frequency already
+            Self::FrequencyMargin => half(errors.frequency(peak)) / peak.frequency_hz,
+            Self::ReserveFactor => {
+                let share = half(errors.amplitude(peak)) / peak.amplitude_m;
+                stress.map_or(0.0, |stress| share * factor(peak.amplitude_m, stress))
+            }
+        })
+    }
+
+    /// Largest difference of two values without estimated errors that is no difference.
     fn resolution(self, a: f64, b: f64) -> f64 {
         match self {
-            // A share of the frequency already.
             Self::FrequencyMargin => RESOLUTION,
             _ => RESOLUTION * a.abs().max(b.abs()),
         }
@@ -237,7 +255,9 @@ impl ComparedLevel {
         let quantity = |compared: Compared| {
             let of_designs: Option<Vec<Vec<f64>>> =
                 runs.iter().map(|run| compared.of(run, i)).collect();
-            Some(ComparedQuantity::of(compared, &of_designs?, runs))
+            let errors: Vec<Vec<f64>> = runs.iter().map(|run| compared.errors(run, i)).collect();
+            let told_apart = with_ties(compared, &of_designs?, &errors);
+            Some(ComparedQuantity::of(compared, &told_apart, runs))
         };
         Self {
             level: runs[0].record.levels[i],
@@ -255,7 +275,6 @@ impl ComparedQuantity {
             confidence: CONFIDENCE,
         };
         let (mut pairs, mut rankings) = (Vec::new(), Vec::new());
-        let designs = with_ties(quantity, designs);
         for (outer, members) in outer_groups(&runs[0].outcomes) {
             let here: Vec<Vec<f64>> = designs.iter().map(|v| chosen(v, &members)).collect();
             for b in 1..here.len() {
@@ -287,14 +306,19 @@ impl ComparedQuantity {
     }
 }
 
-/// The designs with values that the solver does not tell apart made equal, to that of the first such design: a sample that
-/// no design lets slip is a tie and not a win by rounding. Shape: designs × samples.
-fn with_ties(quantity: Compared, designs: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let same = |a: f64, b: f64| (a - b).abs() <= quantity.resolution(a, b);
+/// The designs with values that the solver does not tell apart made equal, to that of the first such design: where two values differ by no
+/// more than what may be wrong in both it is a tie, and not a win by numerical error. Shape of both: designs × samples.
+fn with_ties(quantity: Compared, designs: &[Vec<f64>], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let value = |k: usize, i: usize| {
         let own = designs[k][i];
-        let earlier = designs[..k].iter().map(|design| design[i]);
-        earlier.into_iter().find(|&v| same(v, own)).unwrap_or(own)
+        let is_same = |other: usize| {
+            let apart = quantity.resolution(own, designs[other][i]);
+            let apart = apart.max(errors[k][i] + errors[other][i]);
+            (own - designs[other][i]).abs() <= apart
+        };
+        (0..k)
+            .find(|&other| is_same(other))
+            .map_or(own, |other| designs[other][i])
     };
     (0..designs.len())
         .map(|k| (0..designs[k].len()).map(|i| value(k, i)).collect())

@@ -139,7 +139,8 @@ fn designs(view: &View) -> Section {
     if !notices.is_empty() {
         blocks.push(Block::Notices(notices));
     }
-    let hint = "Sample i of every design has the same random numbers: a difference of a pair is due to the designs alone. \
+    let hint = "Sample i of every design has the same random numbers: a difference of a pair is due to the designs, where \
+                it is larger than the numerical errors of both. \
                 All probabilities are conditional on the distributions that the studies assume.";
     blocks.push(Block::Hint(hint.to_owned()));
     Section {
@@ -159,6 +160,21 @@ fn notices(view: &View) -> Vec<String> {
              equal probability.",
             comparison.design_inputs.join(", ")
         ));
+    }
+    let required = |run: &StoredRun| run.record.requirements.clone();
+    let first = required(&view.runs[0]);
+    let others = || view.runs[1..].iter().map(required);
+    if others().any(|other| other.operation != first.operation) {
+        notices.push(
+            "The designs have different engine orders, speeds or definitions of the margin ([operation]): frequency margins are each \
+             to the own ones, and their differences are not due to the resonances alone."
+                .to_owned(),
+        );
+    }
+    if others().any(|other| other.stress != first.stress) {
+        notices.push(
+            "The designs have different stresses or limits of fatigue ([stress]): reserve factors are each to the own ones.".to_owned(),
+        );
     }
     if !comparison.independent {
         notices.push(format!(
@@ -252,8 +268,8 @@ fn ranking_row(view: &View, i: usize, quantity: Compared, found: &PointRanking) 
 
 fn pairs(view: &View) -> Section {
     let hint = "Median of the paired differences with its distribution-free 95 % confidence interval; shares of the samples \
-                in which one design is better with their Clopper and Pearson interval. Values within 1e-6 of each other are ties and \
-                count for neither; a pair of \
+                in which one design is better with their Clopper and Pearson interval. Values that differ by no more than their stated \
+                numerical errors together, or by 1e-6, are ties and count for neither; a pair of \
                 which one failed is unknown and widens every interval.";
     let tables = Compared::ALL
         .into_iter()

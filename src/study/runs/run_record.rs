@@ -23,8 +23,12 @@ use crate::study::settings::model::{CyclicSettings, ModelSettings, SectorSetting
 use crate::study::settings::read::Study;
 use crate::units::rad_s_to_hz;
 
-/// Points of the linear curves in the report.
+/// Points of the linear curves in the report, evenly over the band.
 const LINEAR_POINTS: usize = 600;
+/// Further points on each side of the resonance, and the factor from one distance to the next: a resonance is far narrower than the even
+/// points are apart where there is little damping. The nearest is 4e-6 of the band away.
+const RESONANCE_POINTS: i32 = 120;
+const RESONANCE_RATIO: f64 = 0.9;
 
 /// The record of a study before its samples: no tables, and no part of the backend, no other programs.
 pub(super) fn first_record(
@@ -174,7 +178,10 @@ fn linear_record(
             )))?;
     let even =
         (0..LINEAR_POINTS).map(|i| band.low + band.width() * i as f64 / (LINEAR_POINTS - 1) as f64);
-    let mut omega: Vec<f64> = even.chain([resonance.omega]).collect();
+    let distances = (0..RESONANCE_POINTS).map(|k| band.width() * RESONANCE_RATIO.powi(k));
+    let around = distances.flat_map(|d| [resonance.omega - d, resonance.omega + d]);
+    let around = around.filter(|omega| band.contains(*omega));
+    let mut omega: Vec<f64> = even.chain([resonance.omega]).chain(around).collect();
     omega.sort_by(f64::total_cmp);
     let curve = omega
         .into_iter()

@@ -31,7 +31,8 @@ pub(super) fn section(view: &View) -> Option<Section> {
     let hint = format!(
         "Margins are shares of {base}; over the range of speeds the smallest counts, which is 0 where an order crosses \
          the resonance inside. The bound holds for 95 % of the assumed prior with 95 % confidence. The model has the same \
-         frequencies at all speeds: centrifugal stiffening enters by the study's model only. {}",
+         frequencies at all speeds: centrifugal stiffening enters by the study's model only. Margins are those of the \
+         highest maximum of each sample; lower ones, which `peak = \"all\"` searches, have none. {}",
         view.assessment.condition
     );
     let overview = Window::overview(view, operation);

@@ -93,7 +93,7 @@ fn explanation(view: &View) -> String {
         }
     };
     format!(
-        "First-order index: {alone}{kind}It is {source}. “Not distinguishable from 0”: these samples show no influence.{range}"
+        "First-order index: {alone}{kind}It is {source}. “Not distinguishable from 0”: the interval holds 0. That proves no absence of influence: a rank correlation may show one that so few samples leave open here.{range}"
     )
 }
 

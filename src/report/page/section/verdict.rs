@@ -1,11 +1,14 @@
 //! The first section: what must be known before any number is used, and the numbers that matter most.
 
 use super::decision;
+use crate::ensemble::outcome::OtherMaximum;
 use crate::hb::Status;
 use crate::page::block::{Block, Cell, Section, Table, Verdict};
 use crate::page::display::{DASH, duration, hertz, percent, significant};
 use crate::report::asked::requirement::{Criterion, Quantity};
 use crate::report::assessment::pooling;
+use crate::report::numbers::margins::smallest_margin;
+use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::summary::Summary;
 use crate::report::page::statistic_cell::{bound_cell, limits};
 use crate::report::page::view::View;
@@ -311,6 +314,7 @@ fn notices(view: &View) -> Vec<String> {
         notices.extend(status_notice(view, status));
     }
     notices.extend(untrusted_notice(summary));
+    notices.extend((0..summary.levels.len()).filter_map(|i| lower_maxima_notice(view, i)));
     for (i, level) in summary.levels.iter().enumerate() {
         if level.frequency_hz.valid == 0 {
             let name = view.level_name(i);
@@ -318,6 +322,29 @@ fn notices(view: &View) -> Vec<String> {
         }
     }
     notices
+}
+
+/// In how many samples a lower maximum lies on an engine order at level `i`, of which no frequency margin says anything; absent for none.
+fn lower_maxima_notice(view: &View, i: usize) -> Option<String> {
+    let operation = view.input.record.requirements.operation.as_ref()?;
+    let shares: Vec<f64> = (view.input.outcomes.iter())
+        .filter_map(|sample| {
+            let level = &sample.levels[i];
+            let highest = usable_peak(level)?.amplitude_m;
+            let crossed = |of: &&OtherMaximum| smallest_margin(of.frequency_hz, operation) == 0.0;
+            let crossed = level.around.others().iter().filter(crossed);
+            crossed.map(|of| of.amplitude_m / highest).reduce(f64::max)
+        })
+        .collect();
+    let largest = shares.iter().copied().reduce(f64::max)?;
+    Some(format!(
+        "Frequency margins are those of the highest maximum of each sample. At {} a lower one, of up to {} of its amplitude, lies on an \
+         engine order in {} of {} samples.",
+        view.level_name(i),
+        percent(largest),
+        shares.len(),
+        view.input.outcomes.len(),
+    ))
 }
 
 /// How many samples serve the sensitivity indices alone, and how many of them have no solution; absent without such.
