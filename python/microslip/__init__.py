@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
@@ -86,8 +87,16 @@ class Study:
         What is solved is kept in the folder ``output`` (the study's own if absent) on the way, and the same call goes on: after
         Ctrl-C (``KeyboardInterrupt``, once the samples at work are solved), a kill or a failure. The results are the same bits for
         any number of ``threads`` (all cores if absent). Other threads of Python run meanwhile.
+
+        Warns (``UserWarning``) before anything is solved where results of another study will be replaced, and at the end of what else the command
+        warns of.
         """
-        return Results(self._native.run(output, threads, progress))
+        for message in self._native.check_folder(output):
+            warnings.warn(message, stacklevel=2)
+        folder, messages = self._native.run(output, threads, progress)
+        for message in messages:
+            warnings.warn(message, stacklevel=2)
+        return Results(folder)
 
     def model(
         self,
@@ -99,7 +108,7 @@ class Study:
         """The model as a function of its inputs.
 
         It first solves the first ``anchors`` samples of the study, 1024 at most, from which every search starts; or takes them from
-        ``results`` of a run of this study, where nothing is solved. With more anchors a point costs less.
+        ``results`` of a run of this study, whatever it asks of its samples, where nothing is solved. With more anchors a point costs less.
         """
         folder = results.path if isinstance(results, Results) else results
         return Model(self, self._native.evaluator(anchors, folder, threads, progress))

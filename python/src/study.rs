@@ -3,7 +3,7 @@
 use crate::errors::raised;
 use crate::evaluator::Evaluator;
 use crate::interrupt::{Work, pool};
-use microslip::study::{OutputFolder, RunSettings, run};
+use microslip::study::{OutputFolder, RunSettings, check_folder, run};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -51,7 +51,13 @@ impl Study {
         self.0.warnings.clone()
     }
 
-    /// Solves all samples and writes the results; their folder.
+    /// What should be known of a folder before a run writes its results there.
+    fn check_folder(&self, output: Option<PathBuf>) -> PyResult<Vec<String>> {
+        let folder = self.output_folder(output)?;
+        check_folder(&self.0, &folder, &RunSettings::default()).map_err(|error| raised(&error))
+    }
+
+    /// Solves all samples and writes the results; their folder, and what should be known of the run.
     #[pyo3(signature = (output, threads, progress))]
     fn run<'py>(
         &self,
@@ -59,10 +65,9 @@ impl Study {
         output: Option<PathBuf>,
         threads: Option<usize>,
         progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<PathBuf> {
+    ) -> PyResult<(PathBuf, Vec<String>)> {
         let study = &self.0;
-        let output = output.unwrap_or_else(|| study.folder().join(&study.output.folder));
-        let folder = OutputFolder::open(&output).map_err(|error| raised(&error))?;
+        let folder = self.output_folder(output)?;
         let pool = pool(threads)?;
         let work = Work::new(pool.as_ref(), progress);
         let done = work.done(py, |stop, meter| {
@@ -70,9 +75,10 @@ impl Study {
                 stop: stop.clone(),
                 ..RunSettings::default()
             };
-            run(study, &folder, &settings, |progress| meter.note(progress)).map(|_| ())
+            run(study, &folder, &settings, |progress| meter.note(progress))
         })?;
-        done.map(|()| output).map_err(|error| raised(&error))
+        let result = done.map_err(|error| raised(&error))?;
+        Ok((folder.path().to_owned(), result.notes))
     }
 
     /// The model as a function.
@@ -87,5 +93,14 @@ impl Study {
     ) -> PyResult<Evaluator> {
         let pool = pool(threads)?;
         Evaluator::of(py, self.0.clone(), (anchors, results), pool, progress)
+    }
+}
+
+impl Study {
+    /// The folder of the results: the study's own if none is given.
+    fn output_folder(&self, output: Option<PathBuf>) -> PyResult<OutputFolder> {
+        let study = &self.0;
+        let output = output.unwrap_or_else(|| study.folder().join(&study.output.folder));
+        OutputFolder::open(&output).map_err(|error| raised(&error))
     }
 }

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import microslip
@@ -44,6 +45,33 @@ def test_a_run_has_tables_numbers_and_a_report(results: microslip.Results) -> No
     assert len(results.summary["levels"]) == 2
     with pytest.raises(microslip.StudyError, match="no results of a run"):
         microslip.Results(results.path.parent / "absent")
+
+
+def test_results_of_another_study_are_not_replaced_without_a_warning(tmp_path: Path) -> None:
+    """Seen to fail with the package before, which said nothing."""
+    study = microslip.Study.read(write_study(tmp_path))
+    folder = tmp_path / "results"
+    study.run(output=folder)
+    before = (folder / "samples.parquet").read_bytes()
+    other = microslip.Study.read(write_study(tmp_path, ("low = 0.2", "low = 0.25")))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # nothing is solved where the warning is an error
+        with pytest.raises(UserWarning, match="replaces the results in .*, of another study"):
+            other.run(output=folder)
+        assert (folder / "samples.parquet").read_bytes() == before
+    with pytest.warns(UserWarning, match="replaces the results in .*, of another study"):
+        other.run(output=folder)
+    assert (folder / "samples.parquet").read_bytes() != before
+
+
+def test_a_model_takes_results_that_were_asked_other_things(results: microslip.Results, tmp_path: Path) -> None:
+    """Seen to fail with the package before, which refused them as those of another study."""
+    study = microslip.Study.read(write_study(tmp_path, ("limit = 3.0", "limit = 4.0")))
+    assert study.model(anchors=4, results=results).anchors == 4
+    other = microslip.Study.read(write_study(tmp_path, ("low = 0.2", "low = 0.25")))
+    with pytest.raises(microslip.StudyError, match="of another study"):
+        other.model(anchors=4, results=results)
 
 
 def test_progress_is_told_and_may_end_a_run(study: microslip.Study, tmp_path: Path) -> None:

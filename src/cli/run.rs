@@ -78,13 +78,14 @@ impl RunArguments {
             ..self.control.settings(folder.path(), messages.log)?
         };
         let Some(orders) = study.several_engine_orders() else {
+            self.check(&study, &folder, &settings)?;
             return self.one(&study, &folder, &settings).map(|_| ());
         };
         let of_order = |&order: &u32| {
             let own = folder.path().join(order_folder(order));
             let (study, folder) = (study.of_engine_order(order)?, OutputFolder::open(&own)?);
             // the last order is not to be refused after hours for the others
-            check_folder(&study, &folder)?;
+            self.check(&study, &folder, &settings)?;
             Ok((study, folder))
         };
         let studies: Vec<_> = orders.iter().map(of_order).collect::<Result<_, Error>>()?;
@@ -99,6 +100,21 @@ impl RunArguments {
             return Ok(());
         }
         gather(&solved, &folder, messages.quiet)
+    }
+
+    /// Refuses a folder, and warns of what will be replaced in it, before anything is solved.
+    fn check(
+        &self,
+        study: &Study,
+        folder: &OutputFolder,
+        settings: &RunSettings,
+    ) -> Result<(), Error> {
+        let warnings = check_folder(study, folder, settings)?;
+        // a share replaces nothing yet
+        if !matches!(self.shares.work()?, Work::Share(_)) {
+            self.study.messages.log.warn(&warnings);
+        }
+        Ok(())
     }
 
     /// One study; whether its results are there.

@@ -25,7 +25,7 @@ use std::path::Path;
 
 use super::prepared::PreparedStudy;
 use super::runs::progress::{Meter, Progress};
-use super::runs::resume::{Resumed, identity_of_results, results_refusal};
+use super::runs::resume::{Resumed, as_asked, identity_of_results, results_refusal};
 use super::runs::run_settings::RunSettings;
 use super::settings::read::Study;
 use crate::Error;
@@ -95,7 +95,8 @@ impl<'s> Evaluator<'s> {
         })
     }
 
-    /// Takes the first `anchors` samples from `folder`, the results of a run of the same study: nothing is solved.
+    /// Takes the first `anchors` samples from `folder`, the results of a run of the same study, whatever it asks of its samples: nothing is
+    /// solved.
     ///
     /// # Errors
     /// [`Error::Results`] if they are results of another study or of other files; [`Error::File`] if they cannot be read or were
@@ -175,7 +176,8 @@ impl<'s> Evaluator<'s> {
     }
 }
 
-/// Refuses results of another study or of other files. Another program is no reason: its samples are only starts.
+/// Refuses results of another study or of other files. Another program is no reason: its samples are only starts. Nor is a study that asks
+/// other things of the same samples.
 fn refuse_other_study(study: &Study, folder: &Path) -> Result<(), Error> {
     let stored = identity_of_results(folder)?;
     let own = RunIdentity {
@@ -186,7 +188,7 @@ fn refuse_other_study(study: &Study, folder: &Path) -> Result<(), Error> {
         files: study.file_records()?,
         program: Program::this(),
     };
-    match own.difference(&stored) {
+    match own.difference(&as_asked(&own, stored).0) {
         None | Some(Difference::Program(_)) => Ok(()),
         Some(difference) => Err(Error::results(folder, results_refusal(&difference))),
     }

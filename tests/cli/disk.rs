@@ -204,6 +204,35 @@ fn runs_of_other_disks_are_refused() {
     assert_refused("edited", &edited, &[rule]);
 }
 
+/// More samples of a disk are not replaced by fewer of another engine order; as many are, and a warning says so. Seen to fail with the
+/// program before, which replaced them in any case.
+#[test]
+fn more_samples_of_another_engine_order_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    solved(path, &[3]);
+    let run = ["run", "order-3.toml", "--output", "order-3", "--quiet"];
+    let extend = ["extend", "order-3", "--samples", "8", "--quiet"];
+    assert!(microslip(path, &extend).status.success());
+    let text = std::fs::read_to_string(path.join("order-3.toml")).unwrap();
+    let text = text.replace("engine_orders = [3]", "engine_orders = [5]");
+    std::fs::write(path.join("order-3.toml"), &text).unwrap();
+    let expected = "holds 8 samples of this disk under another engine order, in place of which its file asks for 6";
+    assert_refused("6 for 8", &microslip(path, &run), &[expected]);
+    std::fs::write(
+        path.join("order-3.toml"),
+        text.replace("samples = 6", "samples = 8"),
+    )
+    .unwrap();
+    let output = microslip(path, &run);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success()
+            && said.contains("replaces the results in order-3, of another study"),
+        "{said}"
+    );
+}
+
 /// What the last of several engine orders refuses is known before the first one is solved. Seen to fail with the program before, which solved
 /// order 3.
 #[test]

@@ -275,7 +275,10 @@ impl Design {
     /// To which numbers of samples, at each outer point, more samples leave the first ones as they are.
     #[must_use]
     pub fn growth(&self) -> Growth {
-        self.plan.growth()
+        match &self.file {
+            Some((_, rows)) => Growth::UpTo(rows.len() as u64),
+            None => self.plan.growth(),
+        }
     }
 
     /// Kind of the design, as in study files.

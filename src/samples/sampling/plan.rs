@@ -132,6 +132,8 @@ pub enum Plan {
 pub enum Growth {
     /// By any number.
     Any,
+    /// To any number up to that of the rows of a file.
+    UpTo(u64),
     /// To `unit` times a power of two, of which `population` times that power are draws of the population.
     Doubling {
         /// Samples per point of the sequence.
@@ -144,11 +146,12 @@ pub enum Growth {
 }
 
 impl Growth {
-    /// Smallest number of samples of which at least `wanted` are draws of the population; `None` if the design cannot grow.
+    /// Smallest number of samples of which at least `wanted` are draws of the population; `None` if the design cannot grow so far.
     #[must_use]
     pub fn total(self, wanted: u64) -> Option<u64> {
         match self {
             Self::Any => Some(wanted),
+            Self::UpTo(rows) => Some(wanted).filter(|n| *n <= rows),
             Self::Doubling { unit, population } => {
                 let points = wanted.div_ceil(population).checked_next_power_of_two()?;
                 points.checked_mul(unit)

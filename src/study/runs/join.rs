@@ -9,7 +9,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::progress::{Meter, Progress};
-use super::resume::{accepted_part, admitted, has_results, refuse_own_inputs, resumed};
+use super::replacement::{admitted, refuse_own_inputs};
+use super::resume::{accepted_part, has_results, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;

@@ -57,13 +57,17 @@ pub fn merge(
         return Err(Error::results(output.path(), message));
     }
     // a copy that the run then refuses would be in the way of the results there
-    check_folder(&study, output)?;
+    let replaced = check_folder(&study, output, settings)?;
     for part in &parts {
         if part.paths()[0].parent() != Some(target.path()) {
             part.copy_to(target.path()).map_err(unwritten)?;
         }
     }
-    run(&study, output, settings, progress)
+    let result = run(&study, output, settings, progress)?;
+    Ok(RunResult {
+        notes: [replaced, result.notes].concat(),
+        ..result
+    })
 }
 
 /// Adds the parts in `folder`, all of the same run as those before; if they are not, `advice` says what to do.

@@ -8,6 +8,7 @@ pub mod join;
 pub mod merge;
 pub mod profile;
 pub mod progress;
+mod replacement;
 pub(super) mod resume;
 pub mod run;
 mod run_record;

@@ -9,17 +9,15 @@ use super::run_settings::RunSettings;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
-use crate::ensemble::parts::{
-    Difference, Merged, PartFolder, RunIdentity, Source, StoredPart, more_samples,
-};
+use crate::ensemble::parts::{Difference, Merged, PartFolder, RunIdentity, Source, StoredPart};
 use crate::ensemble::program::Program;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::ensemble::store::{ATLAS_FILE, StoredStudy, read_indices, read_study};
 use crate::ensemble::{Ensemble, Known};
-use crate::file::{FileError, finish_placing, refuse_inputs};
-use crate::report::run::{RECORD, TABLES, require_unchanged};
-use crate::report::{self, REPORT_FILES, RunRecord};
-use crate::study::output::{OPTIONAL_TABLES, OutputFolder};
+use crate::file::{FileError, finish_placing};
+use crate::report::run::{TABLES, require_unchanged};
+use crate::report::{self, RunRecord};
+use crate::study::output::OutputFolder;
 use crate::study::settings::read::Study;
 
 /// Samples that need not be solved again.
@@ -217,33 +215,17 @@ pub(super) fn identity(study: &Study, folder: &OutputFolder) -> Result<RunIdenti
     })
 }
 
-/// The same before anything is solved for it.
-///
-/// # Errors
-/// [`Error::File`] if a file of the study cannot be read; [`Error::Results`] if `folder` holds results of this run with more samples.
-pub(super) fn admitted(study: &Study, folder: &OutputFolder) -> Result<RunIdentity, Error> {
-    let identity = identity(study, folder)?;
-    refuse_fewer(study, folder, &identity)?;
-    Ok(identity)
-}
-
-/// Refuses results that would replace a file of their own study.
-///
-/// # Errors
-/// [`Error::File`] on the first one.
-pub(super) fn refuse_own_inputs(study: &Study, folder: &OutputFolder) -> Result<(), Error> {
-    let optional = OPTIONAL_TABLES.into_iter().chain([ATLAS_FILE, RECORD]);
-    let names = TABLES.into_iter().chain(REPORT_FILES).chain(optional);
-    let written = names.map(|name| folder.path().join(name));
-    Ok(refuse_inputs(written, &study.inputs_on_disk())?)
-}
-
 /// The run whose whole results lie in `folder`.
 ///
 /// # Errors
 /// [`FileError`] if there are none, or a file was changed.
 pub(in crate::study) fn identity_of_results(folder: &Path) -> Result<RunIdentity, FileError> {
     require_unchanged(folder)?;
+    stated_identity(folder)
+}
+
+/// The same as the results say it, whether or not a file was changed.
+pub(super) fn stated_identity(folder: &Path) -> Result<RunIdentity, FileError> {
     let record = RunRecord::of_folder(folder)?;
     let provenance = record.provenance;
     Ok(RunIdentity {
@@ -274,8 +256,23 @@ pub(super) fn resumed(
     Ok(resumed)
 }
 
+/// Of whole results whose study only asks other things of the same samples: the run as if it had asked what `identity` does, and whether
+/// it did not.
+pub(in crate::study) fn as_asked(
+    identity: &RunIdentity,
+    stored: RunIdentity,
+) -> (RunIdentity, bool) {
+    match identity.has_other_requirements(&stored) {
+        false => (stored, false),
+        true => {
+            let study = identity.study.clone();
+            (RunIdentity { study, ..stored }, true)
+        }
+    }
+}
+
 /// Takes over what whole results in the folder hold of this run: their samples where the study only asks other things of them, those with
-/// a solution where the others are to be solved again. Of results of another study it notes that they are replaced.
+/// a solution where the others are to be solved again.
 ///
 /// # Errors
 /// [`Error::File`] if they cannot be read.
@@ -286,22 +283,14 @@ pub(super) fn add_results_there(
     identity: &RunIdentity,
     settings: &RunSettings,
 ) -> Result<(), Error> {
-    let Ok(mut stored) = identity_of_results(folder.path()) else {
+    let Ok(stored) = identity_of_results(folder.path()) else {
         return Ok(());
     };
-    let asks_other = identity.has_other_requirements(&stored);
-    if asks_other {
-        stored.study = identity.study.clone();
-    }
-    match accepted(identity, &stored, settings) {
-        Ok(other) if asks_other || settings.retry_failed => {
-            resumed.add_results(folder.path(), study, settings, other)?;
-        }
-        Ok(_) => {}
-        Err(difference) => resumed.notes.push(format!(
-            "replaces the results that were in {}, of {difference}",
-            folder.path().display()
-        )),
+    let (stored, asked_other) = as_asked(identity, stored);
+    if let Ok(other) = accepted(identity, &stored, settings)
+        && (asked_other || settings.retry_failed)
+    {
+        resumed.add_results(folder.path(), study, settings, other)?;
     }
     Ok(())
 }
@@ -349,30 +338,6 @@ pub(in crate::study) fn results_refusal(difference: &Difference) -> String {
         _ => "",
     };
     format!("are results of {difference}: `run` anew{program}")
-}
-
-/// Refuses to put the results of fewer samples in the place of more of the same study. Where a file that it names has another content
-/// by now they are not of the same study any more.
-///
-/// # Errors
-/// [`Error::Results`] if the results in `folder` are of this study with more samples; [`Error::File`] if files that wait there cannot
-/// be placed.
-fn refuse_fewer(study: &Study, folder: &OutputFolder, identity: &RunIdentity) -> Result<(), Error> {
-    finish_placing(folder.path())?;
-    let record = RunRecord::of_folder(folder.path());
-    if record.is_ok_and(|record| record.files != identity.files) {
-        return Ok(());
-    }
-    // what cannot be read is replaced
-    let stored = read_study(folder.path()).ok();
-    let Some(more) = stored.and_then(|stored| more_samples(&study.text, &stored.text)) else {
-        return Ok(());
-    };
-    let message = format!(
-        "holds {more} samples of this study, of which its file asks for {}: ask for {more}, or for fewer samples take another --output, or delete these",
-        study.samples
-    );
-    Err(Error::results(folder.path(), message))
 }
 
 /// Whether the whole results of this run lie in `folder`, and nothing of them is to be solved again. What cannot be read is replaced.

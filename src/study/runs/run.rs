@@ -7,7 +7,8 @@ use std::time::Instant;
 use super::control_variate::control_samples;
 use super::profile::Stage;
 use super::progress::{Meter, Progress};
-use super::resume::{Resumed, add_results_there, admitted, finished, refuse_own_inputs, resumed};
+use super::replacement::{admitted, refuse_own_inputs, replaced};
+use super::resume::{Resumed, add_results_there, finished, resumed};
 use super::run_record::first_record;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -30,7 +31,8 @@ use crate::study::settings::read::Study;
 /// made from these. They replace older results together, at the end.
 ///
 /// What is solved is written to `parts` on the way, and a later call goes on from there. Where `folder` holds the whole results
-/// of this study already, only the report is made anew; where they differ only in what is asked of the samples, these are taken over.
+/// of this study already, only the report is made anew; where they differ only in what is asked of the samples, these are taken over. Those of
+/// another study are replaced; [`check_folder`] says so before.
 ///
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
 ///
@@ -51,13 +53,18 @@ pub fn run(
 }
 
 /// Refuses the folders that [`run`] refuses before it solves anything: those with more samples of the study, and with its own files
-/// where results would come.
+/// where results would come. Gives what a user should know before, one line each: that results of another study will be replaced.
 ///
 /// # Errors
 /// [`Error::Results`] and [`Error::File`], as those of [`run`].
-pub fn check_folder(study: &Study, folder: &OutputFolder) -> Result<(), Error> {
+pub fn check_folder(
+    study: &Study,
+    folder: &OutputFolder,
+    settings: &RunSettings,
+) -> Result<Vec<String>, Error> {
     refuse_own_inputs(study, folder)?;
-    admitted(study, folder).map(|_| ())
+    let identity = admitted(study, folder)?;
+    Ok(replaced(folder, &identity, settings).into_iter().collect())
 }
 
 /// The same where no other process works in the folder.

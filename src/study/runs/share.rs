@@ -4,7 +4,8 @@
 //! nothing of each other but the parts of earlier generations, and whoever solves a sample writes the same bits.
 
 use super::progress::{Meter, Progress};
-use super::resume::{admitted, refuse_own_inputs, resumed};
+use super::replacement::{admitted, refuse_own_inputs};
+use super::resume::resumed;
 use super::run_settings::RunSettings;
 use super::session::{Begun, at_work};
 use crate::Error;

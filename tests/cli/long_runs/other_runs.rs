@@ -182,7 +182,7 @@ fn extended_results_are_not_replaced_by_fewer_samples() {
     let text = run(path, "whole", &["--quiet"]);
     assert!(table() != before, "another study solves its own samples");
     assert!(
-        text.contains("replaces the results that were in whole, of another study (-"),
+        text.contains("replaces the results in whole, of another study (-"),
         "{text}"
     );
 }
@@ -213,6 +213,44 @@ fn samples_serve_other_requirements() {
     assert!(!text.contains("replaces"), "{text}");
     run(path, "whole", &["--quiet"]);
     assert_same_results(path, "results");
+}
+
+/// Engine orders change no sample of a model that is no disk: a run with others is refused where it has fewer samples, and takes over as
+/// many. Seen to fail with the program before, which solved the fewer samples and put them in the place of all.
+#[test]
+fn samples_serve_other_engine_orders() {
+    let study = study(12);
+    let path = study.path();
+    let operation = "[operation]\nspeed_rpm = [2000, 2200]\nengine_orders = [3]\n\n[output]";
+    change(path, "[output]", operation);
+    run(path, "results", &["--quiet"]);
+    let further = ["extend", "results", "--samples", "30", "--quiet"];
+    assert!(microslip(path, &further).status.success());
+    change(path, "engine_orders = [3]", "engine_orders = [3, 4]");
+    let expected = "holds 30 samples of this study, of which its file asks for 12";
+    refused(path, &["run", "study.toml", "--quiet"], expected);
+    change(path, "samples = 12", "samples = 30");
+    let text = run(path, "results", &[]);
+    let taken = "30 samples were solved before and taken over";
+    assert!(text.contains(taken) && !text.contains("replaces"), "{text}");
+    run(path, "whole", &["--quiet"]);
+    assert_same_results(path, "results");
+}
+
+/// That results of another study are replaced is said before the first sample is solved. Seen to fail with the program before, which said it
+/// after the last.
+#[test]
+fn a_replacement_is_announced() {
+    let study = solved(12);
+    let path = study.path();
+    change(path, "seed = 7", "seed = 8");
+    let text = run(path, "whole", &["--log", "json"]);
+    let place = |words: &str| {
+        text.find(words)
+            .unwrap_or_else(|| panic!("{words}: {text}"))
+    };
+    let warned = place("replaces the results");
+    assert!(warned < place("\"event\":\"progress\""), "{text}");
 }
 
 /// What a run refuses, `merge` refuses before it copies a part: a copy would be in the way of the results there.

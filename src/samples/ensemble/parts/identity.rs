@@ -44,7 +44,8 @@ impl RunIdentity {
         (self.program != other.program).then(|| Difference::Program(other.program.clone()))
     }
 
-    /// Whether the studies of the two differ, but in nothing that changes a sample: name, `[operation]`, `[stress]` and `[[criteria]]`.
+    /// Whether the studies of the two differ, but in nothing that changes a sample: name, `[operation]` (but for the engine orders of a
+    /// disk), `[stress]` and `[[criteria]]`.
     #[must_use]
     pub fn has_other_requirements(&self, other: &Self) -> bool {
         let [own, others] = [self, other].map(|of| &of.study.text);
@@ -59,15 +60,27 @@ fn same_values(a: &str, b: &str) -> bool {
     a == b || values(a).is_some_and(|table| Some(table) == values(b))
 }
 
+/// `model.kind` of a disk: its engine order excites a wave of it, and that of any other model only says where margins are looked for.
+const DISK: &str = "cyclic";
+
 /// The values of a study file without those that change no sample, but only what is asked of all.
 fn without_requirements(text: &str) -> Option<toml::Table> {
+    let table = text.parse::<toml::Table>().ok()?;
+    let kind = table.get("model").and_then(|model| model.get("kind"));
+    let of_disk = kind.and_then(toml::Value::as_str) == Some(DISK);
+    let operation = table.get("operation");
+    let orders = operation.and_then(|operation| operation.get("engine_orders"));
+    let orders = orders.filter(|_| of_disk).cloned();
+    let mut table = without_operation(text)?;
+    table.extend(orders.map(|orders| ("operation".to_owned(), orders)));
+    Some(table)
+}
+
+/// The same without the engine orders of a disk.
+fn without_operation(text: &str) -> Option<toml::Table> {
     let mut table = text.parse::<toml::Table>().ok()?;
-    for key in ["name", "criteria", "stress"] {
+    for key in ["name", "criteria", "stress", "operation"] {
         table.remove(key);
-    }
-    if let Some(toml::Value::Table(operation)) = table.get_mut("operation") {
-        // the engine order of a disk excites its wave
-        operation.retain(|key, _| key == "engine_orders");
     }
     Some(table)
 }
@@ -75,8 +88,18 @@ fn without_requirements(text: &str) -> Option<toml::Table> {
 /// Number of samples of the study `stored`, if it is the study `own` with more of them, such as `extend` makes, whatever its requirements.
 #[must_use]
 pub fn more_samples(own: &str, stored: &str) -> Option<i64> {
+    more(own, stored, without_requirements)
+}
+
+/// The same, whatever the engine order of a disk.
+#[must_use]
+pub fn more_samples_of_any_order(own: &str, stored: &str) -> Option<i64> {
+    more(own, stored, without_operation)
+}
+
+fn more(own: &str, stored: &str, compared: fn(&str) -> Option<toml::Table>) -> Option<i64> {
     let parted = |text: &str| {
-        let mut table = without_requirements(text)?;
+        let mut table = compared(text)?;
         let number = match table.remove("samples") {
             Some(toml::Value::Table(mut rule)) => {
                 let most = rule.remove("at_most");
@@ -164,7 +187,7 @@ mod tests {
         assert_eq!(said(&other).as_deref(), Some(expected));
     }
 
-    /// Seen to fail with criteria compared, and with engine orders that are not.
+    /// Seen to fail with criteria compared, with engine orders of a disk that are not, and with those of other models that are.
     #[test]
     fn requirements_change_no_sample() {
         let study = |requirements: &str| run(&format!("seed = 1\n{requirements}"), "a", "1");
@@ -174,7 +197,19 @@ mod tests {
         assert!(differs("[operation]\nengine_orders = [3]\n"), "speeds");
         let more = "[operation]\nengine_orders = [3]\n[[criteria]]\nlimit = 1.0\n";
         assert!(differs(more), "criteria");
-        assert!(!differs("[operation]\nengine_orders = [4]\n"), "order");
+        assert!(differs("[operation]\nengine_orders = [4]\n"), "orders");
+        assert!(differs("[stress]\nmean_stress_mpa = 4\n"), "no orders");
+        let disk = |order: u32, samples: u32| {
+            let text = format!(
+                "samples = {samples}\n[model]\nkind = \"cyclic\"\n[operation]\nengine_orders = [{order}]\nspeed_rpm = [1.0, {order}.0]\n"
+            );
+            study(&text)
+        };
+        let (three, four) = (disk(3, 9), disk(4, 9));
+        assert!(!three.has_other_requirements(&four), "order of a disk");
+        let (own, stored) = (&three.study.text, &disk(4, 10).study.text);
+        assert_eq!(more_samples(own, stored), None);
+        assert_eq!(more_samples_of_any_order(own, stored), Some(10));
         let other = "[operation]\nengine_orders = [3]\n[output]\ncurve_samples = 3\n";
         assert!(!differs(other), "curves");
         let longer = "samples = 40\n[[criteria]]\nlimit = 1.0\n";
