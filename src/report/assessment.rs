@@ -144,16 +144,21 @@ impl Assessment {
 
 /// The sentence that goes with every statement of probability.
 fn condition(record: &RunRecord, epistemic: Option<&EpistemicSummary>) -> String {
-    let priors = priors(&record.inputs);
-    match priors.is_empty() {
-        true => "No input is random: the samples do not scatter.".to_owned(),
-        false => format!(
-            "Conditional on the assumed distributions of {}. Design of the samples: {}.{}",
-            priors.join("; "),
-            record.design.description,
-            epistemic.map_or_else(String::new, |e| format!(" {}", pooling(e)))
-        ),
-    }
+    let priors = priors(&record.inputs).join("; ");
+    let none_random = "No input is random: the samples do not scatter.".to_owned();
+    let start = match (record.has_random_inputs(), epistemic) {
+        (true, _) => format!("Conditional on the assumed distributions of {priors}."),
+        (false, _) if record.inputs.is_empty() => return none_random,
+        (false, None) => return format!("{none_random} Inputs: {priors}."),
+        (false, Some(_)) => {
+            format!("No input is random: the samples of a point do not scatter. Inputs: {priors}.")
+        }
+    };
+    format!(
+        "{start} Design of the samples: {}.{}",
+        record.design.description,
+        epistemic.map_or_else(String::new, |e| format!(" {}", pooling(e)))
+    )
 }
 
 /// Most neighbouring inputs of one distribution that are named one by one.

@@ -139,6 +139,53 @@ fn an_extension_is_the_whole_run() {
     );
 }
 
+/// What is said to decide can be done: after a rule that was met, with a file that has more rows, and with one that has not. Seen to fail
+/// with an `extend` that is refused.
+#[test]
+fn what_decides_is_not_refused() {
+    let sentence = |folder: &TempDir| {
+        let criterion = run(folder.path(), "2")["criteria"][0].clone();
+        assert_eq!(criterion["judgement"], "UNDECIDED");
+        criterion["sentence"].as_str().unwrap().to_owned()
+    };
+    let rule = "{ until = \"width\", of = \"amplitude\", relative = 1, at_most = 320 }";
+    let folder = write(rule, 0.97, 7);
+    let said = sentence(&folder);
+    let start = "samples needed: the rule of `samples` was met, `run` the study with `samples = ";
+    let (_, number) = said.split_once(start).expect(&said);
+    let (number, _) = number.split_once('`').unwrap();
+    change(folder.path(), rule, number);
+    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
+
+    let criterion = "[[criteria]]\nname = \"amplitude\"\nquantity = \"amplitude-um\"\nlimit = 2\n";
+    let more = format!("path = \"rows.csv\"\n{criterion}");
+    for (rows, words) in [
+        (
+            20,
+            "59 samples needed: the file of samples has 20 rows, add as many and `run` it anew",
+        ),
+        (
+            80,
+            "59 samples needed: `microslip extend results --samples 59`",
+        ),
+    ] {
+        let folder = study("narrow-worst-case", &[], "file", 20, &more);
+        let row = |i: u32| format!("0.9,{}\n", (f64::from(i) + 0.5) / f64::from(rows));
+        let table: String = (0..rows).map(row).collect();
+        let table = format!("stiffness_scale,normal_stiffness_scale\n{table}");
+        std::fs::write(folder.path().join("rows.csv"), table).unwrap();
+        let said = sentence(&folder);
+        assert!(said.contains(words), "{said}");
+        if rows == 80 {
+            succeed(
+                folder.path(),
+                &["extend", "results", "--samples", "59", "--quiet"],
+            );
+            assert_eq!(report(folder.path())["criteria"][0]["judgement"], "PASS");
+        }
+    }
+}
+
 /// Rules whose design does not let them keep their confidence. Those without sense in themselves are in `bad_input::cases`.
 /// Seen to fail without the checks.
 #[test]

@@ -48,6 +48,37 @@ fn bytes(folder: &Path, name: &str) -> Vec<u8> {
     std::fs::read(folder.join("results").join(name)).unwrap()
 }
 
+/// Where no input is random one sample of a point decides it: a box of two fixed values and one interval is judged with one each, and a
+/// study without any interval with one at all. Seen to fail (UNDECIDED, 59 samples needed) with every study taken for a random one.
+#[test]
+fn one_sample_decides_a_point_where_no_input_is_random() {
+    let fixed = |value: f64| format!("distribution = \"fixed\"\nvalue = {value}");
+    let half = fixed(0.5);
+    let inputs = [INTERVAL, &half];
+    let more = format!("[epistemic]\npoints = 8\n{CRITERION}");
+    let folder = study("narrow-worst-case", &inputs, "monte-carlo", 11, &more);
+    let found = run(folder.path(), "2");
+    assert_eq!(found["judgement"], "FAIL");
+    let sentence = found["sentence"].as_str().unwrap();
+    let start = "No input is random: the amplitude is ";
+    assert!(sentence.starts_with(start), "{sentence}");
+    assert!(
+        sentence.contains("passes at ") && !sentence.contains("undecided"),
+        "{sentence}"
+    );
+    for (x, judgement) in [(0.9, "PASS"), (0.37, "FAIL")] {
+        let value = fixed(x);
+        let inputs = [&value[..], &half];
+        let folder = study("narrow-worst-case", &inputs, "monte-carlo", 1, CRITERION);
+        let found = run(folder.path(), "1");
+        assert_eq!(found["judgement"], judgement, "{found}");
+        let page = std::fs::read_to_string(folder.path().join("results/report.html")).unwrap();
+        let condition = "No input is random: the samples do not scatter. Inputs: stiffness_scale (fixed: value ";
+        assert!(page.contains(condition));
+        assert!(!page.contains("samples needed") && !page.contains("59 needed"));
+    }
+}
+
 /// Without a search the number of outer points decides the verdict: none of 3 sees the worst case, one of 5 its flank, one
 /// of 11 itself. With a search it fails whatever they are, at the place of the worst case, and says where it passes. Seen to
 /// fail (PASS) with the further points left out where results are read.

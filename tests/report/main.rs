@@ -21,4 +21,5 @@ mod store;
 mod summary;
 mod synthetic;
 mod synthetic_contact;
+mod verdict_points;
 mod verdicts;

@@ -14,7 +14,7 @@ use microslip::report::run::{
     DesignRecord, FileRecord, InputRecord, LinearRecord, StaticLoadRecord, TABLES,
 };
 use microslip::report::{self, ReportInput, RunRecord};
-use microslip::sampling::{DesignKind, Growth, SampleGroup};
+use microslip::sampling::{DesignKind, Distribution, Growth, SampleGroup, Shape};
 
 pub(crate) const LEVELS: [f64; 8] = [0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0];
 const FREE: f64 = 2967.03;
@@ -148,12 +148,6 @@ fn record() -> RunRecord {
     for level in &mut nominal.levels {
         level.status = Status::Converged;
     }
-    let input = |name: &str, prior: &str| InputRecord {
-        name: name.to_owned(),
-        prior: prior.to_owned(),
-        origin: None,
-        distribution: None,
-    };
     RunRecord {
         provenance: provenance(),
         backend: BackendReport::default(),
@@ -201,6 +195,21 @@ fn record() -> RunRecord {
         files: Vec::new(),
         tables: Vec::new(),
         wall_time_s: 143.2,
+    }
+}
+
+fn input(name: &str, prior: &str) -> InputRecord {
+    let (median, log_standard_deviation) = (1.0, 1.0);
+    let law = Shape::Lognormal {
+        median,
+        log_standard_deviation,
+    };
+    InputRecord {
+        name: name.to_owned(),
+        prior: prior.to_owned(),
+        origin: None,
+        // none that is flat: such are judged as intervals, too
+        distribution: Distribution::new(law, None).ok(),
     }
 }
 

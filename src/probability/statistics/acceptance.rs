@@ -40,6 +40,8 @@ pub struct Counted {
 pub enum Remedy {
     /// So many samples altogether, if further ones break the limit as often as those found.
     Samples(usize),
+    /// Fewer unknown samples: the others alone would decide. As many of them as there are, it takes so many samples altogether.
+    FewerUnknownOrSamples(usize),
     /// No number can be named: the share found is hardly another one than the share that must keep the limit. But if the true
     /// share is as far from it as the confidence interval of the one found allows, so many samples decide.
     AtLeast(usize),
@@ -92,12 +94,19 @@ impl Demonstration {
         };
         let allowed = 1.0 - self.content;
         match first_from(counted.samples + 1, decided) {
+            Some(n) if self.known_decide(counted) => Remedy::FewerUnknownOrSamples(n),
             Some(n) => Remedy::Samples(n),
             None if sure <= allowed && allowed < possible => Remedy::FewerUnknown,
             None => self
                 .at_best(counted)
                 .map_or(Remedy::TooClose, Remedy::AtLeast),
         }
+    }
+
+    /// Whether a study of the known samples alone is decided.
+    fn known_decide(&self, counted: &Counted) -> bool {
+        let known = counted.samples - counted.unknown;
+        counted.broken < self.acceptance(known) || counted.broken >= self.rejection(known)
     }
 
     /// Samples that decide if further ones break the limit as seldom (PASS), or as often (FAIL), as the confidence interval of
@@ -159,8 +168,8 @@ mod tests {
     };
 
     /// The textbook numbers: 59 samples of which none, 93 of which one may break the limit (0.95/0.95); 299 without one
-    /// for 0.99/0.95. Seen to fail with `<=` in place of `<` against the acceptance number, and with the share found in place of
-    /// the ends of its interval.
+    /// for 0.99/0.95. Seen to fail with `<=` in place of `<` against the acceptance number, with the share found in place of
+    /// the ends of its interval, and with the known samples not looked at alone.
     #[test]
     fn remedies_are_the_textbook_numbers() {
         let needed = |samples, broken, unknown| {
@@ -184,6 +193,12 @@ mod tests {
         };
         assert_eq!(risk.remedy(&none), Remedy::Samples(299));
         assert_eq!(needed(100, 2, 10), Remedy::FewerUnknown);
+        // the 4 known ones of 70 break the limit: more than the 5 % that may, and than 1 of 4 that a share of 95 % allows
+        let found = needed(70, 4, 66);
+        let Remedy::FewerUnknownOrSamples(n) = found else {
+            panic!("66 unknown ones of 70 are the cure: {found:?}")
+        };
+        assert!(n > 1000, "{n}");
         // 5 of 100 are what may break the limit: between 1.6 and 11.3 % with 95 % confidence. With 11.3 % of the further samples
         // 5 + 0.113 (n − 100) reach the rejection number near n = 200, which says little of what the truth will take
         let Remedy::AtLeast(n) = needed(100, 5, 0) else {

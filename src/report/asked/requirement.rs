@@ -75,7 +75,7 @@ pub struct Stress {
     /// Mean stress at the critical place (MPa).
     #[schemars(range(min = 0, max = LARGEST_MPA))]
     pub mean_stress_mpa: f64,
-    /// Alternating stress that the material bears for ever without mean stress (MPa).
+    /// Alternating stress that the material bears for ever without mean stress, below its ultimate strength (MPa).
     #[schemars(range(max = LARGEST_MPA), extend("exclusiveMinimum" = 0))]
     pub endurance_limit_mpa: f64,
     /// Ultimate strength (MPa).
@@ -250,6 +250,13 @@ impl Stress {
             self.mean_stress_mpa < self.ultimate_strength_mpa,
             "mean_stress_mpa",
             Plain(self.mean_stress_mpa),
+            "must be below ultimate_strength_mpa",
+        )?;
+        // an alternating stress as large as the ultimate strength breaks the material in its first cycle
+        BadSetting::unless(
+            self.endurance_limit_mpa < self.ultimate_strength_mpa,
+            "endurance_limit_mpa",
+            Plain(self.endurance_limit_mpa),
             "must be below ultimate_strength_mpa",
         )
     }

@@ -214,6 +214,14 @@ pub struct NodalRecord {
 }
 
 impl RunRecord {
+    /// Whether an input is drawn from a distribution or from a file. The samples of a population differ in nothing else: where none is,
+    /// each of them is the same.
+    #[must_use]
+    pub fn has_random_inputs(&self) -> bool {
+        let drawn = |input: &InputRecord| input.distribution.is_some();
+        self.design.kind == DesignKind::File || self.inputs.iter().any(drawn)
+    }
+
     /// Number of the look at which the run ended, from 1; 0 where the number of samples was given.
     #[must_use]
     pub fn look(&self) -> usize {

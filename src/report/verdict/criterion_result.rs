@@ -30,7 +30,7 @@ pub struct LevelResult {
     /// Excitation level (N on each blade for the built-in model, else a factor).
     pub level: f64,
     /// Number that is judged, from the samples with a trusted solution: the quantile that leaves out 1 − share, or the
-    /// probability; in the unit of the limit. Absent without samples.
+    /// probability; where no input is random the result itself, or 0 or 1. In the unit of the limit. Absent without samples.
     pub estimate: Option<f64>,
     /// Where it lies: the side that passes holds with the confidence of the criterion, the side that fails with it at all
     /// levels and outer points together; whatever samples without a trusted solution would have given, and wherever the
@@ -45,12 +45,13 @@ pub struct LevelResult {
     pub unknown_because: Unknown,
     /// What the numerical error of the samples does to the interval.
     pub numerical_error: NumericalWidth,
-    /// Frequency of PASS if the truth were better than the limit.
-    pub power: Power,
+    /// Frequency of PASS if the truth were better than the limit; absent where no input is random.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power: Option<Power>,
     /// What would decide; absent where the judgement is PASS or FAIL.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remedy: Option<Remedy>,
-    /// Engine order with the smallest margin in the samples at the estimate; absent for other quantities.
+    /// Engine order with the smallest margin in most of the samples at the estimate; absent for other quantities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engine_order: Option<u32>,
     /// The outer point of the epistemic inputs that decides: the criterion must hold at each. Absent without such inputs.

@@ -13,7 +13,7 @@ use crate::report::numbers::peaks::usable_peak;
 use crate::report::run::input::ReportInput;
 use crate::statistics::{
     Counted, Criterion as Rule, Demonstration, Enclosed, Interval, Judgement, Limit, Observed,
-    exceedance, judge, quantile_estimate,
+    Remedy, exceedance, judge, quantile_estimate,
 };
 use crate::units::m_to_um;
 
@@ -61,6 +61,7 @@ impl Judged<'_> {
         let judgement = judge(interval, self.rule(self.criterion.limit));
         let counted = self.counted(&observed);
         let demonstration = self.demonstration();
+        let random = self.input.record.has_random_inputs();
         LevelResult {
             level: self.input.record.levels[self.level],
             estimate,
@@ -73,8 +74,11 @@ impl Judged<'_> {
                 upper: distance(interval.upper, without_error.upper),
                 not_estimated: self.errors.not_estimated(self.solved()).to_vec(),
             },
-            power: power(&demonstration, counted.samples),
-            remedy: (judgement == Judgement::Undecided).then(|| demonstration.remedy(&counted)),
+            power: random.then(|| power(&demonstration, counted.samples)),
+            remedy: (judgement == Judgement::Undecided).then(|| match random {
+                true => demonstration.remedy(&counted),
+                false => Remedy::FewerUnknown,
+            }),
             engine_order: estimate.and_then(|estimate| self.engine_order(&results, estimate)),
             outer: None,
             over_box: None,
@@ -153,6 +157,9 @@ impl Judged<'_> {
     /// The number that is judged, with its interval: the side that passes has the confidence of PASS, the other one that
     /// of FAIL.
     fn estimate(&self, observed: &Observed) -> (Option<f64>, Interval) {
+        if !self.input.record.has_random_inputs() {
+            return self.estimate_of_worst(observed);
+        }
         let demonstration = self.demonstration();
         let (estimate, of_pass) = self.estimate_at(observed, demonstration.confidence);
         let (_, of_fail) = self.estimate_at(observed, demonstration.confidence_of_fail);
@@ -167,6 +174,31 @@ impl Judged<'_> {
             },
         };
         (estimate, interval)
+    }
+
+    /// The number where no input is random: each sample has the result of all, within its numerical error. Where they differ all the
+    /// same (the search met several maxima) it is the worst that was met; what an unknown one would have been stays open.
+    fn estimate_of_worst(&self, observed: &Observed) -> (Option<f64>, Interval) {
+        if self.criterion.quantity == Quantity::ProbabilityOfExceedance {
+            let counted = self.counted(observed);
+            let some = |count: usize| f64::from(u8::from(count > 0));
+            let share = exceedance_of_values(observed, self.limit_of_samples());
+            return (
+                share.map(|share| f64::from(u8::from(share > 0.0))),
+                Interval::between(some(counted.broken), some(counted.broken + counted.unknown)),
+            );
+        }
+        let of = |n: usize| match self.criterion.quantity.at_least() {
+            true => 1,
+            false => n,
+        };
+        let rank = of(observed.total());
+        let values = observed.valid();
+        let interval = Interval {
+            lower: observed.lowest(rank),
+            upper: observed.highest(rank),
+        };
+        (values.order_statistic(of(values.values().len())), interval)
     }
 
     /// The number with an interval each side of which has the given confidence.
@@ -222,23 +254,32 @@ impl Judged<'_> {
         }
     }
 
-    /// The order with the smallest margin in the sample whose result is the estimate.
+    /// The order with the smallest margin in most of the samples whose result is the estimate: those that orders cross all have the
+    /// margin 0, each perhaps of another order.
     fn engine_order(&self, results: &[Enclosed], estimate: f64) -> Option<u32> {
         let operation = self.input.record.requirements.operation.as_ref()?;
         if self.criterion.quantity != Quantity::FrequencyMarginPercent {
             return None;
         }
-        let place = results.iter().position(|r| r.value == estimate)?;
-        let peak = trusted_peak(&self.input.outcomes[place].levels[self.level])?;
-        let size = |order: &u32| {
+        let at_estimate = results.iter().zip(self.input.outcomes);
+        let at_estimate = at_estimate.filter(|(result, _)| result.value == estimate);
+        let frequencies: Vec<[f64; 2]> = at_estimate
+            .filter_map(|(_, o)| Some(trusted_peak(&o.levels[self.level])?.frequency_hz))
+            .map(|frequency| [frequency, smallest_margin(frequency, operation)])
+            .collect();
+        let nearest = |order: &u32| {
             let alone = Operation {
                 engine_orders: vec![*order],
                 ..operation.clone()
             };
-            smallest_margin(peak.frequency_hz, &alone)
+            let of = |[frequency, smallest]: &&[f64; 2]| {
+                smallest_margin(*frequency, &alone) <= *smallest
+            };
+            frequencies.iter().filter(of).count()
         };
-        let orders = operation.engine_orders.iter();
-        orders.min_by(|a, b| size(a).total_cmp(&size(b))).copied()
+        // of several the first one
+        let orders = operation.engine_orders.iter().rev();
+        orders.copied().max_by_key(nearest)
     }
 }
 

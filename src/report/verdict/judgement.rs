@@ -45,7 +45,7 @@ fn result(input: &ReportInput, criterion: &Criterion, errors: &NumericalErrors) 
     let mut result = CriterionResult {
         criterion: criterion.clone(),
         judgement,
-        indication: !input.record.design.independent,
+        indication: !input.record.design.independent && input.record.has_random_inputs(),
         sentence: String::new(),
         as_intervals: as_intervals(judgement, &judged),
         levels,

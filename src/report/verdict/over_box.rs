@@ -31,8 +31,8 @@ pub struct PointJudgement {
 }
 
 impl OverBox {
-    /// `fails from mu = 0.1 to 0.3; passes from mu = 0.5 to 0.8`: by stretches of points where there is one input, by the
-    /// range of each input where there are more.
+    /// `fails at 2 points (mu 0.1 … 0.3); passes at 3 points (mu 0.5 … 0.8)`: by stretches of points where there is one input, by
+    /// the range of each input where there are more and no other point lies within.
     #[must_use]
     pub fn in_words(&self) -> String {
         let judgements = [Judgement::Fail, Judgement::Undecided, Judgement::Pass];
@@ -48,10 +48,6 @@ impl OverBox {
             Judgement::Undecided => "is undecided",
             Judgement::Pass => "passes",
         };
-        let places = match self.inputs.as_slice() {
-            [input] => self.stretches(judgement, input),
-            _ => self.ranges(judgement),
-        };
         let points = self
             .points
             .iter()
@@ -62,7 +58,14 @@ impl OverBox {
             1 => "1 point".to_owned(),
             n => format!("{n} points"),
         };
-        Some(format!("{verb} at {count} ({places})"))
+        let places = match self.inputs.as_slice() {
+            [input] => Some(self.stretches(judgement, input)),
+            _ => self.ranges(judgement),
+        };
+        Some(match places {
+            Some(places) => format!("{verb} at {count} ({places})"),
+            None => format!("{verb} at {count}"),
+        })
     }
 
     /// Stretches of neighbouring points with one judgement, along the only input.
@@ -76,13 +79,24 @@ impl OverBox {
         format!("{input} {}", words.join(", "))
     }
 
-    /// The range of every input over the points with one judgement.
-    fn ranges(&self, judgement: Judgement) -> String {
-        let inputs = self.inputs.iter().enumerate().filter_map(|(k, input)| {
-            let points = self.points.iter().filter(|p| p.judgement == judgement);
-            let ends = hull(points.map(|p| p.values[k]))?;
-            Some(format!("{input} {}", from_to(ends, short)))
-        });
-        inputs.collect::<Vec<_>>().join(", ")
+    /// The range of every input over the points with one judgement; absent where a point with another one lies within all of them,
+    /// so that they would claim its judgement for it, too.
+    fn ranges(&self, judgement: Judgement) -> Option<String> {
+        let (of, others): (Vec<_>, Vec<_>) =
+            (self.points.iter()).partition(|p| p.judgement == judgement);
+        let ends: Option<Vec<[f64; 2]>> = (0..self.inputs.len())
+            .map(|k| hull(of.iter().map(|p| p.values[k])))
+            .collect();
+        let ends = ends?;
+        let inside = |point: &&PointJudgement| {
+            let mut ranges = point.values.iter().zip(&ends);
+            ranges.all(|(value, [low, high])| (low..=high).contains(&value))
+        };
+        if others.iter().any(inside) {
+            return None;
+        }
+        let inputs = self.inputs.iter().zip(ends);
+        let words = inputs.map(|(input, ends)| format!("{input} {}", from_to(ends, short)));
+        Some(words.collect::<Vec<_>>().join(", "))
     }
 }

@@ -5,6 +5,8 @@ use crate::page::display::{level_name, percent, significant, with_digits};
 use crate::report::asked::requirement::{Criterion, Quantity};
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::RunRecord;
+use crate::sampling::Growth;
+use crate::sampling::design_settings::MOST_SAMPLES;
 use crate::statistics::{Interval, Judgement, Remedy};
 
 /// How a number of the criterion is written.
@@ -29,7 +31,7 @@ pub(super) fn sentence(input: &ReportInput, result: &CriterionResult) -> String 
     };
     let criterion = &result.criterion;
     let show = shown(criterion.quantity);
-    let found = found(criterion, level, &show(estimate));
+    let found = found(record, criterion, level, &show(estimate));
     let limit = show(criterion.limit);
     let asked = match criterion.quantity.at_least() {
         true => format!("at least {limit} is required"),
@@ -60,15 +62,25 @@ pub(super) fn sentence(input: &ReportInput, result: &CriterionResult) -> String 
     format!("{found} {place} ({interval}; {asked}).{end}{over_box}")
 }
 
-fn found(criterion: &Criterion, level: &LevelResult, number: &str) -> String {
+fn found(record: &RunRecord, criterion: &Criterion, level: &LevelResult, number: &str) -> String {
+    if !record.has_random_inputs() {
+        let what = match criterion.quantity {
+            Quantity::FrequencyMarginPercent => {
+                let what = nearest_order(record, level);
+                return format!(
+                    "No input is random: the resonance stays {number} away from {what}"
+                );
+            }
+            Quantity::AmplitudeUm => "amplitude",
+            Quantity::ReserveFactor => "reserve factor",
+            Quantity::ProbabilityOfExceedance => "probability of a reserve factor below 1",
+        };
+        return format!("No input is random: the {what} is {number}");
+    }
     let share = percent(criterion.share());
     match criterion.quantity {
         Quantity::FrequencyMarginPercent => {
-            let order = level.engine_order;
-            let what = order.map_or_else(
-                || "every engine order".to_owned(),
-                |order| format!("engine order {order}"),
-            );
+            let what = nearest_order(record, level);
             format!("{share} of the assumed prior stays {number} away from {what}")
         }
         Quantity::AmplitudeUm => format!("{share} of the assumed prior stays below {number}"),
@@ -78,6 +90,19 @@ fn found(criterion: &Criterion, level: &LevelResult, number: &str) -> String {
         Quantity::ProbabilityOfExceedance => {
             format!("{number} of the assumed prior has a reserve factor below 1")
         }
+    }
+}
+
+/// `engine order 6`. Samples that are crossed all have the margin 0, of whichever order.
+fn nearest_order(record: &RunRecord, level: &LevelResult) -> String {
+    let Some(order) = level.engine_order else {
+        return "every engine order".to_owned();
+    };
+    let operation = record.requirements.operation.as_ref();
+    let several = operation.is_some_and(|operation| operation.engine_orders.len() > 1);
+    match several && level.estimate == Some(0.0) {
+        true => format!("engine order {order}, the one crossed most often,"),
+        false => format!("engine order {order}"),
     }
 }
 
@@ -114,11 +139,18 @@ pub(super) fn remedy(input: &ReportInput, level: &LevelResult) -> Option<String>
             };
             format!("{needed}{}", more_samples(input, n))
         }
+        Remedy::FewerUnknownOrSamples(n) => format!(
+            "{}: the others alone would decide, and with as many unknown ones it takes about {n} samples{}",
+            unknown(level),
+            more_samples(input, n)
+        ),
+        Remedy::FewerUnknown if !input.record.has_random_inputs() => format!(
+            "{}, and further samples would be the same, since no input is random",
+            unknown(level)
+        ),
         Remedy::FewerUnknown => format!(
-            "{} of {} samples are unknown ({}), and no number of samples decides as long as so large a share is",
-            counted.unknown,
-            counted.samples,
-            reasons(level)
+            "{}, and no number of samples decides as long as so large a share is",
+            unknown(level)
         ),
         Remedy::AtLeast(n) => format!(
             "the share that keeps the limit lies too close to the one that must for a number of samples to be named; at the best \
@@ -133,7 +165,7 @@ pub(super) fn remedy(input: &ReportInput, level: &LevelResult) -> Option<String>
     })
 }
 
-/// Where and how the samples come from.
+/// Where and how the samples come from: a command only where the program does not refuse it.
 fn more_samples(input: &ReportInput, n: usize) -> String {
     let (record, folder) = (input.record, input.folder);
     let outer = record.design.outer_points;
@@ -141,14 +173,38 @@ fn more_samples(input: &ReportInput, n: usize) -> String {
         1 => "",
         _ => " at each outer point",
     };
-    let total = match &record.stopping {
+    let grown = match &record.stopping {
+        Some(stopping) if stopping.met => {
+            return format!(
+                "{each}: the rule of `samples` was met, `run` the study with `samples = {n}`"
+            );
+        }
         Some(stopping) => stopping.growth(n as u64),
         None => record.design.growth.total(n as u64),
     };
-    match total.and_then(|total| total.checked_mul(outer)) {
-        Some(total) => format!("{each}: `microslip extend {folder} --samples {total}`"),
-        None => format!("{each}: this design cannot be extended, `run` one of so many"),
+    let total = grown.and_then(|total| total.checked_mul(outer));
+    match (total, record.design.growth) {
+        (Some(total), _) if total > MOST_SAMPLES => {
+            format!("{each}: {total} in all, and a study has at most {MOST_SAMPLES}")
+        }
+        (Some(total), _) => format!("{each}: `microslip extend {folder} --samples {total}`"),
+        (None, Growth::UpTo(rows)) => {
+            format!("{each}: the file of samples has {rows} rows, add as many and `run` it anew")
+        }
+        (None, _) => format!("{each}: this design cannot be extended, `run` one of so many"),
     }
+}
+
+/// `3 of 70 samples are unknown (3 failed)`.
+fn unknown(level: &LevelResult) -> String {
+    let counted = &level.counted;
+    let verb = if counted.unknown == 1 { "is" } else { "are" };
+    format!(
+        "{} of {} samples {verb} unknown ({})",
+        counted.unknown,
+        counted.samples,
+        reasons(level)
+    )
 }
 
 /// Why samples are unknown: `3 failed, 12 not to be trusted`.

@@ -17,6 +17,18 @@ pub(crate) const BEYOND_SCHEMA: &[Case] = &[
         &[":41: stress.mean_stress_mpa = 9e5: must be below ultimate_strength_mpa"],
     ),
     (
+        "[output]",
+        "[stress]\nmodal_stress_mpa_per_um = 12\nmean_stress_mpa = 180\nendurance_limit_mpa = 900\n\
+             ultimate_strength_mpa = 350\n[output]",
+        &[":42: stress.endurance_limit_mpa = 900: must be below ultimate_strength_mpa"],
+    ),
+    (
+        "[output]",
+        "[stress]\nmodal_stress_mpa_per_um = 12\nmean_stress_mpa = 180\nendurance_limit_mpa = 350\n\
+             ultimate_strength_mpa = 350\n[output]",
+        &[":42: stress.endurance_limit_mpa = 350: must be below ultimate_strength_mpa"],
+    ),
+    (
         "time_points = 128",
         "time_points = 65536\nalert = { highest_harmonic = 200 }",
         &[

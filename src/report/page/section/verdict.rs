@@ -41,7 +41,7 @@ pub(super) fn section(view: &View) -> Section {
         true => Block::Fine(calm.to_owned()),
         false => Block::Notices(notices),
     });
-    if view.summary.epistemic.is_none() {
+    if view.summary.epistemic.is_none() && view.input.record.has_random_inputs() {
         blocks.push(bounds(view));
     }
     blocks.push(Block::Hint(view.assessment.condition.clone()));
@@ -123,6 +123,15 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
         Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
         _ => format!("for {} of the assumed prior", percent(criterion.share())),
     };
+    let confidence = match &level.power {
+        Some(chance) => Cell::number(
+            percent(criterion.confidence()),
+            Some(criterion.confidence()),
+        )
+        .with_small(share)
+        .with_small(power(chance)),
+        None => Cell::number(DASH, None).with_small("no input is random"),
+    };
     vec![
         Cell::text(word).with_badge(class).with_class("text"),
         Cell::text(&criterion.name)
@@ -137,13 +146,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
         Cell::number(found, level.estimate)
             .with_raw(sides)
             .with_small(limits(level.interval, &show)),
-        Cell::number(
-            percent(criterion.confidence()),
-            Some(criterion.confidence()),
-        )
-        .with_small(share)
-        .with_small(power(&level.power))
-        .with_class("text prose"),
+        confidence.with_class("text prose"),
         trust_cell(view, level, show),
         as_intervals_cell(result),
     ]
