@@ -203,7 +203,7 @@ fn what_cannot_be_paired_is_refused() {
 }
 
 /// One design, solved on 3 and on 7 harmonics: what the harmonics change is no difference of designs, and engine orders of their own are named.
-/// Seen to fail with the program before: one is better in every sample, and first in all resamples.
+/// Seen to fail with the program before: each is better in half of the samples.
 #[test]
 fn numerical_errors_are_no_difference() {
     let study = folder("study.toml", "two masses", "two masses");

@@ -205,6 +205,7 @@ fn a_resonance_on_both_sides_of_an_engine_order_crosses_it() {
     }
     let study = r#"
 name = "one mass"
+seed = 5
 samples = 660
 levels = [1.0]
 [model]

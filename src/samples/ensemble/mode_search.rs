@@ -9,8 +9,8 @@ use super::Ensemble;
 use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, NearAnchor, PathPeak, Place};
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::attribution::ModeShapes;
-use crate::hb::peak::level_peak::LevelPeak;
-use crate::hb::peak::maxima::{Maxima, ModeSearch, PeakChoice};
+use crate::hb::peak::level_peak::{LevelPeak, ModeSearch};
+use crate::hb::peak::maxima::Maxima;
 use crate::hb::peak::predicted::correct;
 use crate::hb::peak::refine::{refined_anchored, refined_near};
 use crate::hb::peak::search::PeakSettings;
@@ -83,13 +83,13 @@ impl Ensemble<'_> {
         searches
     }
 
-    /// Whether the maximum `found` for a mode is known to be its own, where the study asks for modes.
+    /// Whether the maximum `found` for a mode is known to be its own.
     fn is_own(&self, of: &ModeOfSample<'_>, found: &LevelPeak) -> bool {
         let Some(solution) = &found.solution else {
             return true;
         };
         let of_any = solution.route.is_some_and(PeakRoute::is_of_any_mode);
-        if self.choice == PeakChoice::Highest || !of_any {
+        if !of_any {
             return true;
         }
         let stiffness = stiffness_at_rest(of.problem, self.settings.aft, self.peak.band.low);

@@ -27,7 +27,7 @@ use crate::units::rad_s_to_hz;
 const LINEAR_POINTS: usize = 600;
 /// Further points on each side of the resonance, and the factor from one distance to the next: a resonance is far narrower than the even
 /// points are apart where there is little damping. The nearest is 4e-6 of the band away.
-const RESONANCE_POINTS: i32 = 120;
+const RESONANCE_POINTS: usize = 120;
 const RESONANCE_RATIO: f64 = 0.9;
 
 /// The record of a study before its samples: no tables, and no part of the backend, no other programs.
@@ -178,8 +178,11 @@ fn linear_record(
             )))?;
     let even =
         (0..LINEAR_POINTS).map(|i| band.low + band.width() * i as f64 / (LINEAR_POINTS - 1) as f64);
-    let distances = (0..RESONANCE_POINTS).map(|k| band.width() * RESONANCE_RATIO.powi(k));
-    let around = distances.flat_map(|d| [resonance.omega - d, resonance.omega + d]);
+    let nearer = |distance: &f64| Some(RESONANCE_RATIO * distance);
+    let distances = std::iter::successors(Some(band.width()), nearer);
+    let around = distances
+        .take(RESONANCE_POINTS)
+        .flat_map(|d| [resonance.omega - d, resonance.omega + d]);
     let around = around.filter(|omega| band.contains(*omega));
     let mut omega: Vec<f64> = even.chain([resonance.omega]).chain(around).collect();
     omega.sort_by(f64::total_cmp);

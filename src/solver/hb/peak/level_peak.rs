@@ -1,4 +1,4 @@
-//! How the search for the peak at one level ended.
+//! How the search for the peak at one level ended, and that for the maximum of one mode.
 
 use crate::hb::equations::effort::WorkCount;
 use crate::hb::equations::problem::Problem;
@@ -50,5 +50,27 @@ impl LevelPeak {
             self.status = solution.status;
         }
         self
+    }
+}
+
+/// Result of the search for the maximum of one mode.
+#[derive(Debug)]
+pub struct ModeSearch {
+    /// The maximum, or why there is none.
+    pub peak: LevelPeak,
+    /// Other maxima that the search has found.
+    pub others: Vec<Solution>,
+    /// Whether the maximum is known to be that of the mode. A sweep through the band leads to the highest maximum, whatever its mode.
+    pub is_own: bool,
+}
+
+impl From<LevelPeak> for ModeSearch {
+    /// A search that has found no other maximum.
+    fn from(peak: LevelPeak) -> Self {
+        Self {
+            peak,
+            others: Vec::new(),
+            is_own: true,
+        }
     }
 }

@@ -5,7 +5,7 @@
 //! linear structures; friction damps the modes between them. The modes are searched in the order of their reach. A mode is
 //! searched only if its maximum could be higher than those found before it.
 
-use super::level_peak::LevelPeak;
+use super::level_peak::{LevelPeak, ModeSearch};
 use crate::hb::equations::effort::WorkCount;
 use crate::hb::route::PeakRoute;
 use crate::hb::solution::Solution;
@@ -31,28 +31,6 @@ pub enum PeakChoice {
     All,
     /// The one that grows from a mode of the stuck structure that the first harmonic sees, 0 for the lowest.
     Mode(usize),
-}
-
-/// Result of the search for the maximum of one mode.
-#[derive(Debug)]
-pub struct ModeSearch {
-    /// The maximum, or why there is none.
-    pub peak: LevelPeak,
-    /// Other maxima that the search has found.
-    pub others: Vec<Solution>,
-    /// Whether the maximum is known to be that of the mode. A sweep through the band leads to the highest maximum, whatever its mode.
-    pub is_own: bool,
-}
-
-impl From<LevelPeak> for ModeSearch {
-    /// A search that has found no other maximum.
-    fn from(peak: LevelPeak) -> Self {
-        Self {
-            peak,
-            others: Vec::new(),
-            is_own: true,
-        }
-    }
 }
 
 /// The maxima at one level.
@@ -172,13 +150,17 @@ impl Maxima {
             self.failed
                 .push((candidate.reach * self.level, peak.status));
         }
-        // not a start for the same mode of other samples
-        let label = match is_own {
-            true => candidate.mode,
-            false => ON_BRANCH + candidate.mode,
-        };
         let found = peak.solution.into_iter().chain(others);
-        self.found.extend(found.map(|solution| (label, solution)));
+        if is_own {
+            self.found
+                .extend(found.map(|solution| (candidate.mode, solution)));
+            return;
+        }
+        // no start for this mode of other samples, but perhaps for the maximum itself
+        let label = ON_BRANCH + candidate.mode;
+        let new = found.filter(|solution| !self.is_of_another(label, solution));
+        let new: Vec<(usize, Solution)> = new.map(|solution| (label, solution)).collect();
+        self.found.extend(new);
     }
 
     /// The maximum to which `mode` was tracked, not predicted from other samples.

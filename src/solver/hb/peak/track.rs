@@ -8,8 +8,8 @@
 
 use super::band::{sliding_maximum, swept_maximum};
 use super::branch_maximum::higher_on_branch;
-use super::level_peak::LevelPeak;
-use super::maxima::{COMPETES, ModeSearch, PeakChoice, add_higher_on_branches, search_maxima};
+use super::level_peak::{LevelPeak, ModeSearch};
+use super::maxima::{COMPETES, PeakChoice, add_higher_on_branches, search_maxima};
 use super::predicted::{PeakPrediction, correct, raised};
 use super::refine::refined_maximum;
 use super::search::{Located, PeakSettings, find_peak, highest_nearby};
