@@ -141,7 +141,9 @@ impl Response {
         let (i, top) = highest?;
         let below = |j: Option<usize>| j.and_then(amplitude).is_some_and(|a| a <= top);
         let is_inside = below(i.checked_sub(1)) && below(Some(i + 1));
-        let is_part = self.gap.is_some() || solved.len() < self.solutions.len();
+        // values that the opposite sweep answers leave nothing open
+        let is_open = self.is_curve && self.gap.is_some();
+        let is_part = is_open || solved.len() < self.solutions.len();
         let what = match (is_part, is_inside) {
             (true, _) => Largest::OfPart,
             (false, false) => Largest::AtEdge,
