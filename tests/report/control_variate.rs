@@ -57,11 +57,16 @@ fn failed_samples_are_counted() {
     assert!(mean.interval.lower.value().is_some() && mean.variance_ratio.is_none());
 }
 
-/// The page has the section with what each number is worth; without the table of the study file it has not.
+/// The page has the section with what each number is worth, and counts controls without solution; without the table of the study file it
+/// has no such section.
 #[test]
 fn the_page_shows_it() {
-    let shown = with_control(60, 300).page();
+    let mut study = with_control(60, 300);
+    assert!(!study.page().contains("of the control without solution"));
+    study.control[100].levels[LEVEL].status = Status::MaxIterations;
+    let shown = study.page();
     for words in [
+        "1 of the control without solution",
         "Means by control variate",
         "Probability that the amplitude exceeds a limit, by control variate",
         "300 samples, among them the 60 of this study",

@@ -402,7 +402,7 @@ mod tests {
     }
 
     /// Of every eight samples one has neither result nor control. The estimate is the share of the others that exceed, on both sides of the
-    /// mean of the control, at which controls without solution are put for the intervals. Seen to fail (0.58 and 0.44) with them
+    /// mean of the control, at which controls without solution are put for the intervals. Seen to fail (0.57 at 0.49) with them
     /// counted on that side.
     #[test]
     fn controls_without_solution_lie_on_neither_side() {

@@ -56,12 +56,13 @@ mod tests {
         }
     }
 
-    /// With one direction both laws are the same. Seen to fail with the disc for every contact of the circle law: the variance is a quarter then.
+    /// With one direction both laws are the same. Seen to fail with the disc for every contact of the circle law.
     #[test]
     fn one_direction_fills_its_interval() {
         let shares = |law| shares(0.3, std::iter::repeat_n([1.0, 0.0], 20_000), law);
         let found = shares(FrictionLaw::Circle);
-        assert_eq!(found, shares(FrictionLaw::Box));
+        // 20 000 of them are not to be printed
+        assert!(found == shares(FrictionLaw::Box), "the laws differ");
         let squares = found.iter().map(|[a, _]| a * a).sum::<f64>() / 20_000.0;
         assert!((3.0 * squares - 1.0).abs() < 0.03, "{squares}");
     }

@@ -364,9 +364,13 @@ impl Distribution {
         let kept = [shape.cdf(low), shape.cdf(high)];
         let written = format!("[{low}, {high}]");
         let rule = |holds, rule| BadSetting::unless(holds, "truncation", &written, rule);
+        rule(
+            support[0] < support[1],
+            "is for distributions with a range: this is one value",
+        )?;
         rule(low < high, "must be [low, high] with low < high")?;
         rule(
-            support[0] <= low && high <= support[1] && support[0] < support[1],
+            support[0] <= low && high <= support[1],
             "must lie inside the range of the distribution",
         )?;
         rule(

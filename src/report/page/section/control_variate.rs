@@ -27,7 +27,8 @@ pub(super) fn section(view: &View) -> Option<Section> {
         "Small figures: 95 % confidence intervals. Samples: those of the study alone. Variance ratio: square of the ratio of \
          the two widths; with 0.1 the samples alone would need ten times as many for an interval of the same width. A ratio near \
          or above 1 says that the control variate is worth nothing here. A failed sample of the study may lie anywhere above 0, \
-         which opens the upper limit of a mean."
+         which opens the upper limit of a mean. A control without solution counts as the mean of the \
+         others in a mean, and on neither side of a limit in a probability."
             .to_owned(),
     ));
     Some(Section {
@@ -66,7 +67,7 @@ fn means(view: &View) -> Block {
                 Shown::AmplitudePerLevel => level.amplitude_m,
             };
             let head = [
-                view.level_cell(i),
+                view.level_cell(i).with_small(without_solution(level)),
                 Cell::text(shown.word()).with_class("text"),
             ];
             let cells = mean_cells(view, shown, found.as_ref());
@@ -74,6 +75,14 @@ fn means(view: &View) -> Block {
         }
     }
     table.block()
+}
+
+/// How many controls have failed, in words; empty if none has.
+fn without_solution(level: &LevelControlVariate) -> String {
+    match level.failed {
+        0 => String::new(),
+        n => format!("{n} of the control without solution"),
+    }
 }
 
 /// Means in Hz or in the unit of the page; in SI in the download.
