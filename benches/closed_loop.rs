@@ -1,10 +1,10 @@
 //! What an identification finds in virtual tests whose truth is known:
-//! `cargo bench --bench closed_loop [-- map coverage resolution varying map-given frequencies] [--seeds 3]`.
+//! `cargo bench --bench closed_loop [-- map coverage resolution varying map-given untold frequencies] [--seeds 3]`.
 //!
 //! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
 //! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
 //! be for the stiffness. `varying`: coverage where the gap of the air, and so the pressure map, is another one in every ten tests.
-//! `map-given`: coverage with the instruments of `coverage`, where the pressure map of the contact is given. `frequencies`: errors
+//! `map-given`: coverage with the instruments of `coverage`, where the pressure map of the contact is given; `untold`: where nothing is told of it. `frequencies`: errors
 //! and coverage with the map given from 5 to 600 Hz. `--seeds N` takes N times as many tests in `coverage`, `varying`, `map-given`
 //! and `frequencies`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes: four times the travel to gross slip, from 1 to 20 µm. All parts take some fifteen minutes of processor time; [`REPEATED`] and
 //! [`COVERAGE_TESTS`] scale it.
@@ -14,7 +14,7 @@
 use microslip::identify::{
     IdentifySettings, KnownPressure, TestResult, identify_pressed_test, identify_test,
 };
-use microslip::rig::{Rig, Slip, Stand, VirtualTest};
+use microslip::rig::{Rig, Slip, VirtualTest};
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
@@ -77,6 +77,8 @@ struct Case<'a> {
 enum Pressure {
     /// The record states the share of its area within a tenth of the mean.
     EvenArea,
+    /// Nothing.
+    Untold,
     /// The map is given.
     Map,
 }
@@ -112,30 +114,25 @@ impl Case<'_> {
         let rig = self.rig();
         let stand = rig.stand().expect("a contact grid");
         let map = match self.pressure {
-            Pressure::EvenArea => None,
+            Pressure::EvenArea | Pressure::Untold => None,
             Pressure::Map => Some(KnownPressure::new(&stand.map.pressure_map())),
         };
-        let one = |index| identified(&rig, &stand, index, settings, map.as_ref());
+        let one = |index| {
+            let mut test = rig.test(&stand, index);
+            if matches!(self.pressure, Pressure::Untold) {
+                test.record.conditions.even_area = None;
+            }
+            let result = match &map {
+                None => identify_test(&test.record, settings),
+                Some(map) => identify_pressed_test(&test.record, settings, map),
+            };
+            (test, result)
+        };
         (0..rig.number_of_tests())
             .into_par_iter()
             .map(one)
             .collect()
     }
-}
-
-fn identified(
-    rig: &Rig,
-    stand: &Stand,
-    index: u64,
-    settings: &IdentifySettings,
-    map: Option<&KnownPressure>,
-) -> (VirtualTest, TestResult) {
-    let test = rig.test(stand, index);
-    let result = match map {
-        None => identify_test(&test.record, settings),
-        Some(map) => identify_pressed_test(&test.record, settings, map),
-    };
-    (test, result)
 }
 
 /// What a laboratory with these cells states: 1 % that 95 % keep, as a standard uncertainty.
@@ -277,6 +274,11 @@ fn coverage(seeds: u64) {
     held(seeds, Pressure::EvenArea);
 }
 
+/// The same where nothing is known of the pressure.
+fn untold(seeds: u64) {
+    held(seeds, Pressure::Untold);
+}
+
 /// The same where the pressure map is given.
 fn map_given(seeds: u64) {
     held(seeds, Pressure::Map);
@@ -314,6 +316,7 @@ fn held(seeds: u64, pressure: Pressure) {
         };
         let told = match pressure {
             Pressure::EvenArea => "",
+            Pressure::Untold => ", nothing told",
             Pressure::Map => ", map given",
         };
         let setting = format!("{mu} | {scale} | {loading}, {noise}{told}");
@@ -454,12 +457,13 @@ fn main() {
     let asked: Vec<String> = std::env::args().skip(1).collect();
     let after = asked.iter().skip_while(|a| *a != "--seeds").nth(1);
     let seeds: u64 = after.map_or(1, |n| n.parse().expect("a number of seeds"));
-    let parts: [(&str, Part); 6] = [
+    let parts: [(&str, Part); 7] = [
         ("map", |_| maps()),
         ("coverage", coverage),
         ("resolution", |_| resolution()),
         ("varying", varying),
         ("map-given", map_given),
+        ("untold", untold),
         ("frequencies", frequencies),
     ];
     let named = parts

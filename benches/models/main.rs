@@ -1,15 +1,16 @@
 //! Small random models, parameters over six decades: how many peaks are found, by which route, how the others end, and whether those
 //! structures vibrate with the period of the excitation at all, by time integration.
 //!
-//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control] [search] [sweep]]`; with `control` those
-//! with a peak are integrated, too, with `search` none; with `sweep` nothing is searched: each model is integrated at many frequencies
-//! (`-- 1 405 sweep`).
+//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control] [search] [curves] [sweep]]`; with
+//! `control` those with a peak are integrated, too, with `search` none; with `curves` each peak is compared with the maximum of the response
+//! curve; with `sweep` nothing is searched: each model is integrated at many frequencies (`-- 1 405 sweep`).
 
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
 mod march;
 mod random;
 
+use microslip::hb::response::forced_response::{CurveSettings, Largest, over_band};
 use microslip::hb::{NewtonSettings, PeakRoute, Status};
 use random::RandomModel;
 use rayon::prelude::*;
@@ -22,6 +23,9 @@ enum Integrated {
     None,
 }
 
+/// Relative difference of a maximum and that of a curve, which is exact to 3e-3, from which they are two.
+const OTHER: f64 = 3e-3;
+
 /// How the search for the peak of one model ended.
 struct Outcome {
     status: Status,
@@ -29,6 +33,10 @@ struct Outcome {
     iterations: usize,
     /// Where the structure was integrated: whether it vibrates with the period of the excitation.
     periodic: Option<bool>,
+    /// Amplitude of the peak (m).
+    amplitude: Option<f64>,
+    /// Where the response curve was computed and has a maximum: that of the curve over the peak.
+    curve: Option<f64>,
 }
 
 fn main() {
@@ -52,7 +60,11 @@ fn main() {
             n_time: points,
             ..RandomModel::of_seed(seed)
         };
-        outcome_of(&model, harmonics as usize, budget as usize, integrated)
+        let outcome = outcome_of(&model, harmonics as usize, budget as usize, integrated);
+        match named("curves") {
+            true => compared(&model, harmonics as usize, budget as usize, outcome),
+            false => outcome,
+        }
     };
     let seeds: Vec<u64> = (first..first + seeds).collect();
     // one at a time, so that no thread waits with models behind another's slow one
@@ -61,6 +73,7 @@ fn main() {
     print_ends(&outcomes);
     print_iterations(&outcomes);
     print_periodicity(&outcomes);
+    print_curves(&outcomes);
 }
 
 /// Searches for the peak of one model. Those to be `integrated` and those without a peak are printed. Where one without a peak vibrates
@@ -103,7 +116,37 @@ fn outcome_of(
         route,
         iterations,
         periodic: vibration.map(|found| found.is_none()),
+        amplitude: found.solution.map(|peak| peak.amplitude(0)),
+        curve: None,
     }
+}
+
+/// The same beside the response curve, where there is a peak. Those of which one is another maximum are printed.
+fn compared(model: &RandomModel, harmonics: usize, budget: usize, outcome: Outcome) -> Outcome {
+    let Some(amplitude) = outcome.amplitude else {
+        return outcome;
+    };
+    let maximum = curve_maximum(model, harmonics, budget);
+    let curve = maximum.map(|maximum| maximum / amplitude);
+    if let Some(curve) = curve
+        && (curve - 1.0).abs() > OTHER
+    {
+        println!("the curve has {curve:.4} times the peak: {}", model.text);
+    }
+    Outcome { curve, ..outcome }
+}
+
+/// The largest maximum (m) of the response curve through the band of the peak; none where the branch cannot be followed through it, or is
+/// largest at an end.
+fn curve_maximum(model: &RandomModel, harmonics: usize, budget: usize) -> Option<f64> {
+    model.solved(harmonics, budget, |problem, settings, peak| {
+        let curve = CurveSettings::for_plot(peak.band);
+        let response = over_band(problem, settings, model.level, curve, |_| {});
+        match response.largest(peak.band) {
+            Some((solution, Largest::Maximum)) => Some(solution.amplitude(0)),
+            _ => None,
+        }
+    })
 }
 
 /// Vibrations of one model over frequency, by time integration.
@@ -168,4 +211,19 @@ fn print_periodicity(outcomes: &[Outcome]) {
             integrated.len()
         );
     }
+}
+
+/// How the peaks compare with the maxima of the curves.
+fn print_curves(outcomes: &[Outcome]) {
+    let curves: Vec<f64> = outcomes.iter().filter_map(|o| o.curve).collect();
+    if curves.is_empty() {
+        return;
+    }
+    let higher = curves.iter().filter(|curve| **curve > 1.0 + OTHER).count();
+    let lower = curves.iter().filter(|curve| **curve < 1.0 - OTHER).count();
+    println!(
+        "curves with a maximum: {} of {} models with a peak; {higher} higher than the peak, {lower} lower",
+        curves.len(),
+        outcomes.iter().filter(|o| o.amplitude.is_some()).count()
+    );
 }

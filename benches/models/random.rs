@@ -101,6 +101,19 @@ impl RandomModel {
 
     /// The peak with `highest` harmonics in the band that holds all modes, free and stuck, with `budget` iterations per search.
     pub(crate) fn peak(&self, highest: usize, budget: usize) -> LevelPeak {
+        self.solved(highest, budget, |problem, settings, peak| {
+            let found = track_peaks(problem, settings, peak, &[self.level]);
+            found.expect("modes").remove(0)
+        })
+    }
+
+    /// What `of` makes of the model with these settings and the band of the peak.
+    pub(crate) fn solved<T>(
+        &self,
+        highest: usize,
+        budget: usize,
+        of: impl Fn(&Problem<'_>, &HbSettings, PeakSettings) -> T,
+    ) -> T {
         let newton = NewtonSettings {
             budget,
             ..NewtonSettings::default()
@@ -131,8 +144,7 @@ impl RandomModel {
             },
             frequency_tolerance: 1e-9,
         };
-        let found = track_peaks(&problem, &settings, peak, &[self.level]);
-        found.expect("modes").remove(0)
+        of(&problem, &settings, peak)
     }
 }
 
