@@ -88,10 +88,10 @@ class Study:
         Ctrl-C (``KeyboardInterrupt``, once the samples at work are solved), a kill or a failure. The results are the same bits for
         any number of ``threads`` (all cores if absent). Other threads of Python run meanwhile.
 
-        Warns (``UserWarning``) before anything is solved where results of another study will be replaced, and at the end of what else the command
-        warns of.
+        Of a disk the study names one engine order. Warns (``UserWarning``) of :attr:`warnings` and, before anything is solved, where results of
+        another study will be replaced; at the end of what else the command warns of.
         """
-        for message in self._native.check_folder(output):
+        for message in [*self.warnings, *self._native.check_folder(output)]:
             warnings.warn(message, stacklevel=2)
         folder, messages = self._native.run(output, threads, progress)
         for message in messages:
@@ -107,8 +107,8 @@ class Study:
     ) -> Model:
         """The model as a function of its inputs.
 
-        It first solves the first ``anchors`` samples of the study, 1024 at most, from which every search starts; or takes them from
-        ``results`` of a run of this study, whatever it asks of its samples, where nothing is solved. With more anchors a point costs less.
+        It first solves the first ``anchors`` samples of the study, 1024 at most and all if it has fewer, from which every search starts; or takes
+        them from ``results`` of a run of this study with as many samples, whatever it asks of them, where nothing is solved. With more anchors a point costs less.
         """
         folder = results.path if isinstance(results, Results) else results
         return Model(self, self._native.evaluator(anchors, folder, threads, progress))

@@ -65,6 +65,15 @@ def test_results_of_another_study_are_not_replaced_without_a_warning(tmp_path: P
     assert (folder / "samples.parquet").read_bytes() != before
 
 
+def test_what_is_unusual_in_a_study_is_a_warning_of_its_run(tmp_path: Path) -> None:
+    """Seen to fail with the package before, which said so in ``Study.warnings`` alone."""
+    study = microslip.Study.read(write_study(tmp_path, ("mu = 0.4", "mu = 4.0")))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning, match="is unusual"):
+            study.run(output=tmp_path / "results")
+
+
 def test_a_model_takes_results_that_were_asked_other_things(results: microslip.Results, tmp_path: Path) -> None:
     """Seen to fail with the package before, which refused them as those of another study."""
     study = microslip.Study.read(write_study(tmp_path, ("limit = 3.0", "limit = 4.0")))

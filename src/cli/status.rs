@@ -91,7 +91,7 @@ fn in_words(errors: &[Error]) -> String {
     words.join("; ")
 }
 
-/// What `verify` says of a folder in which every file is what was written.
+/// What `verify` says of a folder in which tables, parts and report are what was written.
 fn whole(folder: &Path, status: &FolderStatus) -> Result<String, Error> {
     let refused = |message: String| Error::results(folder, message);
     if let Some(fault) = status.faults.first() {
@@ -116,7 +116,7 @@ fn whole(folder: &Path, status: &FolderStatus) -> Result<String, Error> {
         None => "no whole results".to_owned(),
     };
     Ok(format!(
-        "every file is what was written: {results}, {parts} parts"
+        "tables, parts and report are what was written: {results}, {parts} parts"
     ))
 }
 

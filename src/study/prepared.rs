@@ -194,7 +194,7 @@ impl Study {
     ) -> Result<(), Error> {
         let rest = SliderAnchor::StaticEquilibrium;
         let (key, value) = match self.solver.anchor {
-            _ if self.has_input(Input::InitialTraction) => ("inputs.initial_traction", "{}"),
+            _ if self.has_input(Input::InitialTraction) => ("inputs.initial_traction", "{ ... }"),
             SliderAnchor::StaticEquilibrium => ("contact.anchor", "\"static-equilibrium\""),
             SliderAnchor::Unloaded => return Ok(()),
         };

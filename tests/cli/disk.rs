@@ -94,7 +94,7 @@ fn engine_orders_of_a_disk_come_to_one_page() {
 /// A study that names several engine orders is solved for each, with the bits of a study of its own, and gathered; commands that
 /// take one order say so.
 ///
-/// Seen to fail with the first order solved under the name of each, and with `extend results`
+/// Seen to fail with the first order solved under the name of each, and with `extend RESULTS`
 /// whatever the folder of an order, on the page of the disk or on that of the order.
 #[test]
 fn one_run_takes_several_engine_orders() {
@@ -116,7 +116,7 @@ fn one_run_takes_several_engine_orders() {
         let words = words.trim_start_matches('`');
         assert!(page.contains(words), "{words} is not in the page");
         // wherever the results are moved to, their report stays the same
-        let words = format!("microslip extend results/{order} --samples");
+        let words = format!("microslip extend RESULTS/{order} --samples");
         let words = words.as_str();
         let own = folder.path().join(format!("both/{order}/report.html"));
         let own = std::fs::read_to_string(own).unwrap();
@@ -286,7 +286,7 @@ fn status_and_verify_go_through_the_engine_orders() {
     }
     let (code, text, _) = said("verify");
     assert_eq!(code, Some(0), "{text}");
-    let every = "every file is what was written: the results of 6 samples, 0 parts";
+    let every = "tables, parts and report are what was written: the results of 6 samples, 0 parts";
     for (line, order) in text.lines().zip(["order-3: ", "order-5: "]) {
         assert!(line.ends_with(&format!("{order}{every}")), "{text}");
     }

@@ -166,7 +166,7 @@ fn what_decides_is_not_refused() {
         ),
         (
             80,
-            "59 samples needed: `microslip extend results --samples 59`",
+            "59 samples needed: `microslip extend RESULTS --samples 59`",
         ),
     ] {
         let folder = study("narrow-worst-case", &[], "file", 20, &more);

@@ -70,7 +70,7 @@ impl SyntheticStudy {
             mixed: &self.mixed,
             control: &self.control,
             changed: &[],
-            folder: "results",
+            folder: "RESULTS",
         }
     }
 

@@ -222,14 +222,14 @@ fn undecided_names_the_samples_that_decide() {
     for (growth, words) in [
         (
             Growth::Any,
-            "59 samples needed: `microslip extend results --samples 59`",
+            "59 samples needed: `microslip extend RESULTS --samples 59`",
         ),
         (
             Growth::Doubling {
                 unit: 4,
                 population: 2,
             },
-            "59 samples needed: `microslip extend results --samples 128`",
+            "59 samples needed: `microslip extend RESULTS --samples 128`",
         ),
         (
             Growth::Fixed,
@@ -367,7 +367,7 @@ fn verdicts_over_a_box_name_their_points() {
         study.outcomes.truncate(60);
         study
     });
-    let words = "59 samples needed at each outer point: `microslip extend results --samples 177`";
+    let words = "59 samples needed at each outer point: `microslip extend RESULTS --samples 177`";
     assert!(few.sentence.contains(words), "{}", few.sentence);
 }
 

@@ -3,8 +3,8 @@
 use super::record::RunRecord;
 use crate::ensemble::outcome::SampleOutcome;
 
-/// Folder of the results in commands, where there is one run.
-pub const RESULTS: &str = "results";
+/// What stands for the folder of the results in commands, where there is one run.
+pub const RESULTS: &str = "RESULTS";
 
 /// Everything a report is made from.
 #[derive(Debug, Clone, Copy)]

@@ -35,7 +35,7 @@ impl Study {
         let Some(orders) = self.several_engine_orders() else {
             return Ok(());
         };
-        let rule = "must be one engine order here: each excites another nodal diameter; `run` takes several, one after the other";
+        let rule = "must be one engine order here: each excites another nodal diameter; the command `run` takes several, one after the other";
         Err(self.bad_setting(&BadSetting::new(KEY, format!("{orders:?}"), rule)))
     }
 }
