@@ -274,7 +274,7 @@ fn one_family(n_sectors: usize) -> Disk {
 }
 
 /// In a band that ends below the resonance of the tuned disk with stuck contacts the amplitude grows towards the end: it has no maximum that
-/// others could be compared with. Seen to fail with the end of the band as the place of the largest amplitude.
+/// others could be compared with.
 #[test]
 fn an_end_of_the_band_is_no_resonance() {
     let disk = one_family(6).with_stuck_contacts(&contacts(2));
