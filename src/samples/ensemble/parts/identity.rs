@@ -62,26 +62,28 @@ fn same_values(a: &str, b: &str) -> bool {
 
 /// `model.kind` of a disk: its engine order excites a wave of it, and that of any other model only says where margins are looked for.
 const DISK: &str = "cyclic";
+const OPERATION: &str = "operation";
 
-/// The values of a study file without those that change no sample, but only what is asked of all.
+/// The values of a study file without those that change no sample, but only what is asked of all. Of the operation the engine orders of a disk
+/// are left.
 fn without_requirements(text: &str) -> Option<toml::Table> {
-    let table = text.parse::<toml::Table>().ok()?;
+    let mut table = text.parse::<toml::Table>().ok()?;
+    for key in ["name", "criteria", "stress"] {
+        table.remove(key);
+    }
+    let operation = table.remove(OPERATION);
     let kind = table.get("model").and_then(|model| model.get("kind"));
-    let of_disk = kind.and_then(toml::Value::as_str) == Some(DISK);
-    let operation = table.get("operation");
-    let orders = operation.and_then(|operation| operation.get("engine_orders"));
-    let orders = orders.filter(|_| of_disk).cloned();
-    let mut table = without_operation(text)?;
-    table.extend(orders.map(|orders| ("operation".to_owned(), orders)));
+    if kind.and_then(toml::Value::as_str) == Some(DISK) {
+        let orders = operation.and_then(|operation| operation.get("engine_orders").cloned());
+        table.extend(orders.map(|orders| (OPERATION.to_owned(), orders)));
+    }
     Some(table)
 }
 
 /// The same without the engine orders of a disk.
 fn without_operation(text: &str) -> Option<toml::Table> {
-    let mut table = text.parse::<toml::Table>().ok()?;
-    for key in ["name", "criteria", "stress", "operation"] {
-        table.remove(key);
-    }
+    let mut table = without_requirements(text)?;
+    table.remove(OPERATION);
     Some(table)
 }
 

@@ -205,16 +205,13 @@ pub fn highest_on_both_sides<'p>(
         Iterate::new(balance, found.point.clone()),
         settings,
     );
-    let [one, other] = SIDES.map(|side| {
-        let starts = BOTH_SIDES.iter().map(|step| side * step);
-        let mut starts = starts.filter_map(|step| {
-            let beside = first.step(balance, step, newton).ok()?;
+    let maxima = beside(balance, &first, newton).filter_map(|starts| {
+        let mut starts = starts.filter_map(|beside| {
             let start = beside.point.padded(balance, larger);
             solve(larger, start, Condition::FixedFrequency, newton).ok()
         });
         starts.find_map(|start| find_peak(larger, start, settings, newton).ok())
     });
-    let maxima = one.into_iter().chain(other);
     maxima.reduce(|best, other| higher(larger, best, other))
 }
 
@@ -234,14 +231,24 @@ pub fn higher_on_both_sides<'p>(
     );
     let height = |iterate: &Iterate<'p>| iterate.response(balance).norm();
     let own = height(&first.iterate);
-    let maxima = SIDES.iter().filter_map(|side| {
-        let starts = BOTH_SIDES.iter().map(|step| side * step);
-        let starts = starts.filter_map(|step| first.step(balance, step, newton).ok());
+    let maxima = beside(balance, &first, newton).filter_map(|starts| {
         let mut maxima =
             starts.filter_map(|start| find_peak(balance, start, settings, newton).ok());
         maxima.find(|maximum| height(&maximum.iterate) > least * own)
     });
     maxima.reduce(|best, other| higher(balance, best, other))
+}
+
+/// On each side of the point `first`, the solutions at the distances [`BOTH_SIDES`] that can be found, the closest one first.
+fn beside<'a, 'p>(
+    balance: &'a Balance<'p>,
+    first: &'a BranchPoint<'p>,
+    newton: NewtonSettings,
+) -> impl Iterator<Item = impl Iterator<Item = Iterate<'p>>> {
+    SIDES.into_iter().map(move |side| {
+        let steps = BOTH_SIDES.iter().map(move |step| side * step);
+        steps.filter_map(move |step| first.step(balance, step, newton).ok())
+    })
 }
 
 /// The highest maximum next to the maximum `found`, if that one is flat or its sharpness unknown.
