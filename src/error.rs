@@ -9,7 +9,6 @@ use crate::hb::ProblemError;
 use crate::identify::IdentifyError;
 use crate::import::ImportError;
 use crate::model::ModelError;
-use crate::model::matrices::MatricesError;
 use crate::report::ReportError;
 
 /// Everything that ends a command before its end: with exit code 3 if it was stopped, else with 2.
@@ -29,9 +28,6 @@ pub enum Error {
         /// Key, value and rule.
         message: String,
     },
-    /// The user's model breaks a rule.
-    #[error(transparent)]
-    Matrices(#[from] MatricesError),
     /// Nothing can be identified from the tests.
     #[error(transparent)]
     Identify(#[from] IdentifyError),

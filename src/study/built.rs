@@ -87,7 +87,7 @@ impl Study {
     /// Builds the nominal model and the nominal constants of its contact pairs.
     ///
     /// # Errors
-    /// [`Error::Study`] or [`Error::Matrices`] on the first rule that the model's tables or files break.
+    /// [`Error::Study`] or [`Error::File`] on the first rule that the model's tables or files break.
     pub fn build_model(&self) -> Result<StudyModel, Error> {
         self.one_engine_order()?;
         match &self.model {
@@ -129,7 +129,7 @@ impl Study {
     fn bad_matrices(&self, error: MatricesError) -> Error {
         match error {
             MatricesError::Setting(bad) => self.bad_setting(&bad.under("model")),
-            error => Error::Matrices(error),
+            MatricesError::File(error) => self.bad_file(error),
         }
     }
 

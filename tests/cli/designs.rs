@@ -217,7 +217,7 @@ fn bad_file_of_samples_names_line_key_and_rule() {
         (
             TEN,
             "[design]\nkind = \"file\"\npath = \"none.csv\"".to_owned(),
-            "none.csv: No such file",
+            "design.path = \"none.csv\": must name a file: there is no ",
         ),
         (
             TEN,

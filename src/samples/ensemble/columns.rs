@@ -26,7 +26,7 @@ pub struct DescribedColumn {
 }
 
 /// Unit of the excitation level, which depends on the model.
-const LEVEL_UNIT: &str = "N on each blade (rig), else 1";
+const LEVEL_UNIT: &str = "N on each blade (built-in models), else 1";
 
 const fn column(
     name: &'static str,

@@ -19,7 +19,6 @@ use crate::setting::{BadSetting, NOT_BLANK, non_negative, unusual};
 
 /// Why a model cannot be built from the user's files.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum MatricesError {
     /// A value in the study file; the key is relative to `[model]`.
     #[error(transparent)]
@@ -198,7 +197,8 @@ impl MatricesSettings {
             contacts.push(table.pair(&format!("contact[{i}]"), &index)?);
             parameters.push(table.parameters());
         }
-        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        let names = contacts.iter().map(|pair| pair.name.as_str());
+        unique(|i| format!("contact[{i}].name"), names)?;
         let model = ReducedModel {
             name: name.to_owned(),
             static_force: vector("static_force", &self.static_force)?,
@@ -312,7 +312,10 @@ impl MatricesSettings {
         let rule = format!("must be {n}, one per row of the mass matrix");
         let given = format!("{} names", names.len());
         BadSetting::unless(names.len() <= n, "dof_names", given, &rule)?;
-        unique("dof_names", names.iter().map(String::as_str))?;
+        unique(
+            |i| format!("dof_names[{i}]"),
+            names.iter().map(String::as_str),
+        )?;
         Ok(names)
     }
 
@@ -343,7 +346,10 @@ impl MatricesSettings {
                 row,
             });
         }
-        unique("responses", responses.iter().map(|r| r.name.as_str()))?;
+        unique(
+            |i| format!("responses[{i}]"),
+            responses.iter().map(|r| r.name.as_str()),
+        )?;
         Ok(responses)
     }
 }
@@ -388,15 +394,16 @@ pub(super) fn dense(
     Ok(values)
 }
 
-/// Refuses the first name that is empty or given twice.
+/// Refuses the first name that is empty or given twice; `key_of` gives the key of the name at a place.
 pub(super) fn unique<'a>(
-    key: &str,
+    key_of: impl Fn(usize) -> String,
     names: impl Iterator<Item = &'a str>,
 ) -> Result<(), BadSetting> {
     let mut seen = std::collections::BTreeSet::new();
-    for name in names {
-        BadSetting::unless(!name.trim().is_empty(), key, "\"\"", "must not be empty")?;
-        BadSetting::unless(seen.insert(name), key, name, "must not be given twice")?;
+    for (i, name) in names.enumerate() {
+        let key = key_of(i);
+        BadSetting::unless(!name.trim().is_empty(), &key, "\"\"", "must not be empty")?;
+        BadSetting::unless(seen.insert(name), &key, name, "must not be given twice")?;
     }
     Ok(())
 }

@@ -3,11 +3,13 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use crate::Error;
+use crate::file::FileError;
 use crate::setting::BadSetting;
 
 /// A parsed TOML file whose sections are taken out one by one.
@@ -157,6 +159,29 @@ impl<'t> Document<'t> {
         result.map_err(|bad| self.bad_setting(&bad))
     }
 
+    /// The error of a file that is not there, at the line of the key that names it, relative to the folder of the text; other errors as they
+    /// are.
+    #[must_use]
+    pub fn bad_file(&self, error: FileError) -> Error {
+        let FileError::System { path, .. } = &error else {
+            return error.into();
+        };
+        let folder = before_name(&self.path);
+        let name = |place: &Place| -> Option<String> {
+            let value = ValueDeserializer::parse(&self.text[place.value.clone()]).ok()?;
+            String::deserialize(value).ok()
+        };
+        let names_it = |place: &&Place| name(place).is_some_and(|name| folder.join(name) == *path);
+        match self.places.iter().find(names_it) {
+            Some(place) if error.is_absence() => {
+                let rule = format!("must name a file: there is no {}", path.display());
+                let value = &self.text[place.value.clone()];
+                self.bad_setting(&BadSetting::new(&place.key, value, rule))
+            }
+            _ => error.into(),
+        }
+    }
+
     /// An error at the line of `key`.
     #[must_use]
     pub fn at_key(&self, key: &str, rule: String) -> Error {
@@ -206,6 +231,11 @@ impl<'t> Document<'t> {
             .max_by_key(|place| place.key.len())
             .map_or(1, |place| line_at(self.text, place.line_of))
     }
+}
+
+/// What stands before the name of a file: nothing before a bare name, so that paths beside it are as short.
+pub(super) fn before_name(path: &Path) -> &Path {
+    path.parent().unwrap_or_else(|| Path::new(""))
 }
 
 /// Every key below `table`, as `a.b.c`; elements of arrays as `a[0]`.

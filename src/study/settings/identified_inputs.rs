@@ -74,7 +74,7 @@ impl InputsKeys {
             return Ok(None);
         };
         let path = folder.join(file);
-        let identified = Identified::read(&path)?;
+        let identified = Identified::read(&path).map_err(|error| document.bad_file(error))?;
         document.checked(self.check_normal(file, &identified, own))?;
         let mut inputs = Vec::new();
         for (i, found) in identified.inputs.iter().enumerate() {

@@ -56,7 +56,10 @@ pub(super) fn design(
     document.checked(table.validate().map_err(|bad| bad.under("design")))?;
     let path = table.path().map(Path::to_owned);
     let file = match &path {
-        Some(path) => Some(SampleTable::read(&of.folder.join(path))?),
+        Some(path) => {
+            let read = SampleTable::read(&of.folder.join(path));
+            Some(read.map_err(|error| document.bad_file(error))?)
+        }
         None => None,
     };
     let settings = DesignSettings {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::document::Document;
+use super::document::{Document, before_name};
 use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
 use super::identified_inputs::IdentifiedInputs;
 use super::inputs::{Surroundings, design};
@@ -368,6 +368,14 @@ impl Study {
             Err(error) => error,
         }
     }
+
+    /// The error of a file that the study names, at the line of the key where the file is not there.
+    pub(in crate::study) fn bad_file(&self, error: FileError) -> Error {
+        match Document::parse(&self.path, &self.text) {
+            Ok(document) => document.bad_file(error),
+            Err(error) => error,
+        }
+    }
 }
 
 #[cfg(not(feature = "test-functions"))]
@@ -396,11 +404,6 @@ pub(in crate::study) fn only_of_rig(input: Input) -> Option<&'static str> {
         Input::StripThickness => Some(NO_STRIP),
         _ => None,
     }
-}
-
-/// What stands before the name of a file: nothing before a bare name, so that paths beside it are as short.
-fn before_name(path: &Path) -> &Path {
-    path.parent().unwrap_or_else(|| Path::new(""))
 }
 
 fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {

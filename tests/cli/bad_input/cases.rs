@@ -443,7 +443,7 @@ pub(crate) const REFUSED: &[Case] = &[
     (
         "[\"x1\", \"x2\"]",
         "[\"x1\", \"x1\"]",
-        &[":11: model.dof_names = x1: must not be given twice"],
+        &[":11: model.dof_names[1] = x1: must not be given twice"],
     ),
     (
         "k_t1 = 2e5",

@@ -132,7 +132,14 @@ fn bad_masses_name_file_and_rule() {
 fn missing_files_are_named() {
     let folder = folder("study.toml", "stiffness.mtx", "stiff.mtx");
     let output = microslip(folder.path(), &["inspect", "study.toml"]);
-    assert_refused("missing matrix", &output, &["stiff.mtx: No such file"]);
+    assert_refused(
+        "missing matrix",
+        &output,
+        &[
+            "study.toml:9: model.stiffness = \"stiff.mtx\": must name a file: there is no ",
+            "stiff.mtx",
+        ],
+    );
     let output = microslip(folder.path(), &["run", "studi.toml"]);
     assert_refused("missing study", &output, &["studi.toml: No such file"]);
     let output = microslip(folder.path(), &["inspect", "."]);

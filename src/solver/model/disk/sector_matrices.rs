@@ -60,9 +60,14 @@ impl SectorMatrices {
             "must be as many as in left ({left}): the boundaries of a sector meet those of its neighbours, in this order"
         );
         BadSetting::unless(left == right, "right", format!("{right} names"), &rule)?;
-        unique("left", self.left.iter().map(String::as_str))?;
-        unique("right", self.right.iter().map(String::as_str))?;
-        unique("blade", self.blade.iter().map(String::as_str))?;
+        for (key, names) in [
+            ("left", &self.left),
+            ("right", &self.right),
+            ("blade", &self.blade),
+        ] {
+            let names = names.iter().map(String::as_str);
+            unique(|i| format!("{key}[{i}]"), names)?;
+        }
         for (i, name) in self.right.iter().enumerate() {
             let rule = "must not be on both boundaries";
             let only_right = !self.left.contains(name);
@@ -154,7 +159,8 @@ impl SectorMatrices {
             contacts.push(table.pair(&format!("contact[{i}]"), index)?);
             parameters.push(table.parameters());
         }
-        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        let names = contacts.iter().map(|pair| pair.name.as_str());
+        unique(|i| format!("contact[{i}].name"), names)?;
         Ok((contacts, parameters))
     }
 
