@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::bad_input::assert_refused;
-use crate::{microslip, reference_study};
+use crate::{change, microslip, reference_study};
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::read_samples;
 use tempfile::TempDir;
@@ -113,7 +113,15 @@ fn tractions_of_a_sample_are_its_own() {
 /// The same where shards solve the samples that follow the atlas.
 #[test]
 fn shards_draw_the_tractions_of_their_samples() {
-    let new = || study(("box", "[5]"), 1030, INPUT);
+    // more samples than the atlas has, each of them short
+    let new = || {
+        let folder = study(("box", "[5]"), 1030, INPUT);
+        let short = ["harmonics = 1", "time_points = 32"];
+        for (key, short) in ["harmonics = 5", "time_points = 256"].iter().zip(short) {
+            change(folder.path(), key, short);
+        }
+        folder
+    };
     let whole = new();
     let expected = bits(&samples(whole.path(), &[]));
     let shared = new();
