@@ -34,7 +34,8 @@ pub enum PeakRoute {
     SweptOnOne,
     /// The same with few harmonics.
     SweptOnFew,
-    /// Highest maximum on the branch through a maximum that one of the routes without other samples has led to.
+    /// Highest maximum on the branch through a maximum that one of the routes without other samples has led to, or beside that branch on
+    /// the one that a sweep through the band follows.
     OnBranch,
 }
 
@@ -102,7 +103,7 @@ impl PeakRoute {
             Self::SweptOnFew => {
                 "highest maximum of a sweep through the whole band with few harmonics"
             }
-            Self::OnBranch => "highest maximum on the branch through a lower one",
+            Self::OnBranch => "higher maximum on the branch through a lower one, or met by a sweep",
         }
     }
 }

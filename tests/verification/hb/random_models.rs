@@ -114,3 +114,15 @@ fn every_route_has_a_model_that_needs_it() {
         assert_eq!(by, Some(route), "model {seed}: {:?}", found.status);
     });
 }
+
+/// A contact that is open for most of the period, with a preload of 2e-6 of the excitation. The branch through the first maximum, 8519 m high,
+/// stops inside the band; that from the end of the band is another one and higher. Seen to fail without the sweep along it.
+#[test]
+fn beside_a_branch_that_stops_the_sweep_counts() {
+    let found = RandomModel::of_seed(34).peak(5, 5 * BUDGET);
+    let peak = found.solution.expect("a peak");
+    println!("{} m at {} rad/s", peak.amplitude(0), peak.omega);
+    assert_eq!(peak.route, Some(PeakRoute::OnBranch));
+    assert!((peak.amplitude(0) / 10_084.2 - 1.0).abs() < 1e-5);
+    assert!((peak.omega / 0.581_652 - 1.0).abs() < 1e-5);
+}

@@ -1,9 +1,10 @@
 //! A higher maximum on the branch through one that was found.
 //!
 //! A search leads to one maximum of the amplitude. Where contacts open, or the track of a mode is lost, a higher one may lie on the
-//! same branch. So the branch is followed from the maximum to both ends of the band, and searched on both sides close to it.
+//! same branch. So the branch is followed from the maximum to both ends of the band, and searched on both sides close to it. A branch that
+//! cannot be followed to both ends may be one of several: then the band is swept, too.
 
-use super::band::SWEEP_STEP;
+use super::band::{SWEEP_STEP, swept_maximum};
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
 use super::search::{Located, PeakSettings, higher, higher_on_both_sides, maximum_on};
@@ -16,6 +17,7 @@ use crate::hb::newton::{Iterate, Point};
 use crate::hb::route::PeakRoute;
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
+use crate::hb::status::Status;
 use std::ops::ControlFlow;
 
 /// Largest change of the frequency per step, as a share of the band.
@@ -31,7 +33,7 @@ const BUDGET: usize = 3000;
 /// work. The branch is that on the harmonics of the study.
 ///
 /// None where all contacts stick at `found`, whose response is linear. Of a branch that cannot be followed to the end of the band that part
-/// counts which can.
+/// counts which can; beside it counts the branch that comes from the end of the band, unless `found` is on that one.
 pub fn higher_on_branch(
     problem: &Problem<'_>,
     settings: &HbSettings,
@@ -40,9 +42,10 @@ pub fn higher_on_branch(
 ) -> (Option<Solution>, WorkCount) {
     let effort = &problem.effort;
     let before = effort.count();
-    let budget = settings.newton.budget.min(BUDGET);
     let higher = match found.contact.stick < 1.0 {
-        true => effort.with_own_budget(budget, || highest(problem, settings, peak, found)),
+        true => effort.with_own_budget(settings.newton.budget, || {
+            highest(problem, settings, peak, found)
+        }),
         false => None,
     };
     (higher, effort.count().since(before))
@@ -55,16 +58,31 @@ fn highest(
     found: &Solution,
 ) -> Option<Solution> {
     let balance = balance_on(problem, settings.harmonics.clone(), settings);
-    let start = on_harmonics(&balance, found, peak, settings.newton).ok()?;
+    let newton = settings.newton;
+    let start = on_harmonics(&balance, found, peak, newton).ok()?;
     let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
-    let sides = [SweepDirection::Downward, SweepDirection::Upward];
-    let maxima = sides.map(|side| on_side(&balance, &start, side, settings, peak));
-    // a step is longer than the distance of two maxima side by side
-    let start = Iterate::new(&balance, start);
     let least = 1.0 + LEAST_GAIN;
-    let beside = higher_on_both_sides(&balance, &start, least, peak, settings.newton);
-    let own = start.response(&balance).norm();
-    let best = (maxima.into_iter().flatten().chain(beside))
+    let budget = newton.budget.min(BUDGET);
+    let (sides, beside) = problem.effort.with_own_budget(budget, || {
+        let sides = [SweepDirection::Downward, SweepDirection::Upward];
+        let sides = sides.map(|side| on_side(&balance, &start, side, settings, peak));
+        // a step is longer than the distance of two maxima side by side
+        let start = Iterate::new(&balance, start.clone());
+        let beside = higher_on_both_sides(&balance, &start, least, peak, newton);
+        (sides, beside)
+    });
+    let is_whole = sides.iter().all(|side| side.is_whole);
+    let is_swept = found.route.is_some_and(PeakRoute::is_of_any_mode);
+    let elsewhere = match is_whole || is_swept {
+        true => None,
+        false => problem.effort.with_own_budget(newton.budget, || {
+            let balance = std::slice::from_ref(&balance);
+            swept_maximum(balance, found.level, peak, newton).ok()
+        }),
+    };
+    let own = Iterate::new(&balance, start).response(&balance).norm();
+    let maxima = sides.into_iter().flat_map(|side| side.highest);
+    let best = (maxima.chain(beside).chain(elsewhere))
         .reduce(|best, other| higher(&balance, best, other))
         .filter(|best| height(best) > least * own)?;
     Some(Solution {
@@ -73,14 +91,22 @@ fn highest(
     })
 }
 
-/// The highest maximum that the branch passes from `start` to one end of the band.
+/// A branch from a maximum towards one end of the band.
+struct Side<'p> {
+    /// The highest maximum that it passes.
+    highest: Option<Located<'p>>,
+    /// Whether it was followed to the end of the band.
+    is_whole: bool,
+}
+
+/// The branch from `start` towards one end of the band.
 fn on_side<'p>(
     balance: &Balance<'p>,
     start: &Point,
     direction: SweepDirection,
     settings: &HbSettings,
     peak: PeakSettings,
-) -> Option<Located<'p>> {
+) -> Side<'p> {
     let newton = settings.newton;
     let sweep = SweepSettings {
         band: peak.band,
@@ -91,7 +117,7 @@ fn on_side<'p>(
     let start = Iterate::new(balance, start.clone());
     let mut least = start.response(balance).norm();
     let mut maxima: Vec<Located<'p>> = Vec::new();
-    follow(balance, start, sweep, newton, |from, to| {
+    let end = follow(balance, start, sweep, newton, |from, to| {
         let top = f64::max(from.response.norm(), to.response.norm());
         if HIDDEN * top > least {
             let segment = BranchSegment::new(&from, to);
@@ -102,5 +128,8 @@ fn on_side<'p>(
         ControlFlow::Continue(())
     });
     let maxima = maxima.into_iter();
-    maxima.reduce(|best, other| higher(balance, best, other))
+    Side {
+        highest: maxima.reduce(|best, other| higher(balance, best, other)),
+        is_whole: end.status == Status::Converged,
+    }
 }

@@ -73,6 +73,8 @@ const MAX_POINTS: usize = 40;
 const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
 /// Distances at which searches on both sides of a maximum start, on each side.
 const BOTH_SIDES: [f64; 3] = [0.05, 0.1, 0.2];
+/// Rates at which the growth of the amplitude falls around a maximum are those of one parabola up to this ratio.
+const EVEN: f64 = 1.25;
 /// Signs of the directions along the branch.
 const SIDES: [f64; 2] = [-1.0, 1.0];
 /// Below this sharpness the amplitude changes so little around a maximum that a second one may lie beside it.
@@ -216,7 +218,8 @@ pub fn highest_on_both_sides<'p>(
 }
 
 /// A maximum next to the maximum `found` whose amplitude is more than `least` times that of `found`, the higher one of both sides. A start
-/// close to `found` may lead back to it; then one farther away is taken.
+/// close to `found` may lead back to it; then one farther away is taken. Where the amplitude is one parabola there is no other maximum, and
+/// nothing is searched.
 pub fn higher_on_both_sides<'p>(
     balance: &Balance<'p>,
     found: &Iterate<'p>,
@@ -229,14 +232,39 @@ pub fn higher_on_both_sides<'p>(
         Iterate::new(balance, found.point.clone()),
         settings,
     );
+    let sides: Vec<Vec<BranchPoint<'p>>> = beside(balance, &first, newton)
+        .map(|starts| {
+            let on_branch = |start| {
+                BranchPoint::in_metric(balance, start, first.metric).following(&first.tangent)
+            };
+            starts.map(on_branch).collect()
+        })
+        .collect();
+    if is_one_parabola(&sides) {
+        return None;
+    }
     let height = |iterate: &Iterate<'p>| iterate.response(balance).norm();
     let own = height(&first.iterate);
-    let maxima = beside(balance, &first, newton).filter_map(|starts| {
-        let mut maxima =
-            starts.filter_map(|start| find_peak(balance, start, settings, newton).ok());
+    let maxima = sides.into_iter().filter_map(|starts| {
+        let mut maxima = (starts.into_iter())
+            .filter_map(|start| find_peak(balance, start.iterate, settings, newton).ok());
         maxima.find(|maximum| height(&maximum.iterate) > least * own)
     });
     maxima.reduce(|best, other| higher(balance, best, other))
+}
+
+/// Whether the growth of the amplitude falls at one rate from all points on both sides of a maximum, which are at the distances
+/// [`BOTH_SIDES`].
+fn is_one_parabola(sides: &[Vec<BranchPoint<'_>>]) -> bool {
+    let falls = sides.iter().zip(SIDES).flat_map(|(points, side)| {
+        let distances = BOTH_SIDES.iter().map(move |distance| side * distance);
+        (points.iter().zip(distances)).map(|(point, distance)| -point.growth() / distance)
+    });
+    let (least, largest) = falls.fold((f64::INFINITY, 0.0), |(least, largest), fall| {
+        (fall.min(least), fall.max(largest))
+    });
+    let is_complete = sides.iter().all(|points| points.len() == BOTH_SIDES.len());
+    is_complete && least > 0.0 && largest <= EVEN * least
 }
 
 /// On each side of the point `first`, the solutions at the distances [`BOTH_SIDES`] that can be found, the closest one first.
