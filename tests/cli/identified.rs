@@ -155,7 +155,11 @@ fn what_contradicts_the_file_is_refused() {
             grid,
             "inputs.from = \"identified.json\", with correlated inputs: must be absent",
         ),
-        (ALL, FROM.replace("identified", "absent"), "absent.json: "),
+        (
+            ALL,
+            FROM.replace("identified", "absent"),
+            "inputs.from = \"absent.json\": must name a file: there is no ",
+        ),
         (
             "{",
             FROM.to_owned(),

@@ -289,7 +289,7 @@ pub(crate) const REFUSED: &[Case] = &[
     (
         "[\"x1\", \"x2\"]",
         "[\"x1\", \" \"]",
-        &[":11: model.dof_names = \"\": must not be empty"],
+        &[":11: model.dof_names[1] = \"\": must not be empty"],
     ),
     (
         "name = \"c1\"",
@@ -444,6 +444,11 @@ pub(crate) const REFUSED: &[Case] = &[
         "[\"x1\", \"x2\"]",
         "[\"x1\", \"x1\"]",
         &[":11: model.dof_names[1] = x1: must not be given twice"],
+    ),
+    (
+        "[contact]\nlaw",
+        "[[model.contact]]\nname = \"c1\"\nt1 = { x1 = 1 }\nk_t1 = 1\nmu = 0.1\nn = { x2 = 1 }\nk_n = 1\n[contact]\nlaw",
+        &[":25: model.contact[1].name = c1: must not be given twice"],
     ),
     (
         "k_t1 = 2e5",
