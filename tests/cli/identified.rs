@@ -114,6 +114,8 @@ fn an_unmeasured_normal_stiffness_is_stated() {
     }
 }
 
+const ABSENT: &str = "inputs.from = \"absent.json\": must name a file: there is no ";
+
 /// What contradicts the file is refused with both places. Seen to fail where an input may be stated twice.
 #[test]
 fn what_contradicts_the_file_is_refused() {
@@ -155,11 +157,7 @@ fn what_contradicts_the_file_is_refused() {
             grid,
             "inputs.from = \"identified.json\", with correlated inputs: must be absent",
         ),
-        (
-            ALL,
-            FROM.replace("identified", "absent"),
-            "inputs.from = \"absent.json\": must name a file: there is no ",
-        ),
+        (ALL, FROM.replace("identified", "absent"), ABSENT),
         (
             "{",
             FROM.to_owned(),
