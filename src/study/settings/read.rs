@@ -363,16 +363,18 @@ impl Study {
     /// The error of a setting that only a command can find, at its line.
     #[must_use]
     pub fn bad_setting(&self, bad: &BadSetting) -> Error {
-        match Document::parse(&self.path, &self.text) {
-            Ok(document) => document.bad_setting(bad),
-            Err(error) => error,
-        }
+        self.placed(|document| document.bad_setting(bad))
     }
 
     /// The error of a file that the study names, at the line of the key where the file is not there.
     pub(in crate::study) fn bad_file(&self, error: FileError) -> Error {
+        self.placed(|document| document.bad_file(error))
+    }
+
+    /// An error with its place in the study file.
+    fn placed(&self, error: impl FnOnce(&Document<'_>) -> Error) -> Error {
         match Document::parse(&self.path, &self.text) {
-            Ok(document) => document.bad_file(error),
+            Ok(document) => error(&document),
             Err(error) => error,
         }
     }

@@ -135,10 +135,7 @@ fn missing_files_are_named() {
     assert_refused(
         "missing matrix",
         &output,
-        &[
-            "study.toml:9: model.stiffness = \"stiff.mtx\": must name a file: there is no ",
-            "stiff.mtx",
-        ],
+        &["study.toml:9: model.stiffness = \"stiff.mtx\": must name a file: there is no stiff.mtx"],
     );
     let output = microslip(folder.path(), &["run", "studi.toml"]);
     assert_refused("missing study", &output, &["studi.toml: No such file"]);

@@ -122,8 +122,10 @@ fn sectors_have_the_multipliers_of_the_ring() {
         (4, 4),
         (4, 7),
         (5, 2),
+        (6, 1),
         (6, 2),
         (6, 3),
+        (6, 4),
     ] {
         compare(&disk(n_sectors), engine_order, &mut seen);
     }
