@@ -446,11 +446,6 @@ pub(crate) const REFUSED: &[Case] = &[
         &[":11: model.dof_names[1] = x1: must not be given twice"],
     ),
     (
-        "[contact]\nlaw",
-        "[[model.contact]]\nname = \"c1\"\nt1 = { x1 = 1 }\nk_t1 = 1\nmu = 0.1\nn = { x2 = 1 }\nk_n = 1\n[contact]\nlaw",
-        &[":25: model.contact[1].name = c1: must not be given twice"],
-    ),
-    (
         "k_t1 = 2e5",
         "",
         &[":16: model.contact[0].k_t1 = (absent): must be given"],

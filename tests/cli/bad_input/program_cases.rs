@@ -5,6 +5,11 @@ use super::cases::Case;
 /// Refused by the program alone: values that are compared with each other, or with files.
 pub(crate) const BEYOND_SCHEMA: &[Case] = &[
     (
+        "[contact]\nlaw",
+        "[[model.contact]]\nname = \"c1\"\nt1 = { x1 = 1 }\nk_t1 = 1\nmu = 0.1\nn = { x2 = 1 }\nk_n = 1\n[contact]\nlaw",
+        &[":25: model.contact[1].name = c1: must not be given twice"],
+    ),
+    (
         "[output]",
         "[[criteria]]\nname = \"a\"\nquantity = \"amplitude-um\"\nlimit = 1\n[[criteria]]\n\
              name = \" a \"\nquantity = \"amplitude-um\"\nlimit = 2\n[output]",

@@ -7,7 +7,7 @@
 use super::band::{SWEEP_STEP, swept_maximum};
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
-use super::search::{Located, PeakSettings, higher, higher_on_both_sides, maximum_on};
+use super::search::{BOTH_SIDES, Located, PeakSettings, higher, higher_on_both_sides, maximum_on};
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::equations::balance::{Balance, balance_on};
@@ -68,7 +68,8 @@ fn highest(
         let sides = sides.map(|side| on_side(&balance, &start, side, settings, peak));
         // a step is longer than the distance of two maxima side by side
         let start = Iterate::new(&balance, start.clone());
-        let beside = higher_on_both_sides(&balance, &start, least, peak, newton);
+        let n_starts = BOTH_SIDES.len();
+        let beside = higher_on_both_sides(&balance, &start, least, n_starts, peak, newton);
         (sides, beside)
     });
     let is_whole = sides.iter().all(|side| side.is_whole);

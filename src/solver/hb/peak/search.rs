@@ -72,7 +72,7 @@ const MAX_POINTS: usize = 40;
 /// Distances at which [`highest_nearby`] starts its searches (relative change of the displacements).
 const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
 /// Distances at which searches on both sides of a maximum start, on each side.
-const BOTH_SIDES: [f64; 3] = [0.05, 0.1, 0.2];
+pub(super) const BOTH_SIDES: [f64; 3] = [0.05, 0.1, 0.2];
 /// Rates at which the growth of the amplitude falls around a maximum are those of one parabola up to this ratio.
 const EVEN: f64 = 1.25;
 /// Signs of the directions along the branch.
@@ -208,7 +208,7 @@ pub fn highest_on_both_sides<'p>(
         settings,
     );
     let maxima = beside(balance, &first, newton).filter_map(|starts| {
-        let mut starts = starts.filter_map(|beside| {
+        let mut starts = starts.filter_map(|(_, beside)| {
             let start = beside.point.padded(balance, larger);
             solve(larger, start, Condition::FixedFrequency, newton).ok()
         });
@@ -218,12 +218,13 @@ pub fn highest_on_both_sides<'p>(
 }
 
 /// A maximum next to the maximum `found` whose amplitude is more than `least` times that of `found`, the higher one of both sides. A start
-/// close to `found` may lead back to it; then one farther away is taken. Where the amplitude is one parabola there is no other maximum, and
-/// nothing is searched.
+/// close to `found` may lead back to it; then one farther away is taken, `n_starts` of [`BOTH_SIDES`] at most. Where the amplitude is one
+/// parabola there is no other maximum, and nothing is searched.
 pub fn higher_on_both_sides<'p>(
     balance: &Balance<'p>,
     found: &Iterate<'p>,
     least: f64,
+    n_starts: usize,
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
@@ -232,54 +233,55 @@ pub fn higher_on_both_sides<'p>(
         Iterate::new(balance, found.point.clone()),
         settings,
     );
-    let sides: Vec<Vec<BranchPoint<'p>>> = beside(balance, &first, newton)
+    let sides: Vec<Vec<ArcPoint<'p>>> = beside(balance, &first, newton)
         .map(|starts| {
-            let on_branch = |start| {
-                BranchPoint::in_metric(balance, start, first.metric).following(&first.tangent)
+            let on_branch = |(s, start)| {
+                let point = BranchPoint::in_metric(balance, start, first.metric);
+                let point = point.following(&first.tangent);
+                ArcPoint { s, point }
             };
-            starts.map(on_branch).collect()
+            starts.take(n_starts).map(on_branch).collect()
         })
         .collect();
-    if is_one_parabola(&sides) {
+    if sides.iter().all(|points| points.len() == n_starts)
+        && is_one_parabola(sides.iter().flatten())
+    {
         return None;
     }
     let height = |iterate: &Iterate<'p>| iterate.response(balance).norm();
     let own = height(&first.iterate);
     let maxima = sides.into_iter().filter_map(|starts| {
         let mut maxima = (starts.into_iter())
-            .filter_map(|start| find_peak(balance, start.iterate, settings, newton).ok());
+            .filter_map(|start| find_peak(balance, start.point.iterate, settings, newton).ok());
         maxima.find(|maximum| height(&maximum.iterate) > least * own)
     });
     maxima.reduce(|best, other| higher(balance, best, other))
 }
 
-/// Whether the growth of the amplitude falls at one rate from all points on both sides of a maximum, which are at the distances
-/// [`BOTH_SIDES`].
-fn is_one_parabola(sides: &[Vec<BranchPoint<'_>>]) -> bool {
-    let falls = sides.iter().zip(SIDES).flat_map(|(points, side)| {
-        let distances = BOTH_SIDES.iter().map(move |distance| side * distance);
-        (points.iter().zip(distances)).map(|(point, distance)| -point.growth() / distance)
-    });
+/// Whether the growth of the amplitude falls at one rate from all `points` on both sides of a maximum at arclength 0.
+fn is_one_parabola<'a, 'p: 'a>(points: impl Iterator<Item = &'a ArcPoint<'p>>) -> bool {
+    let falls = points.map(|at| -at.point.growth() / at.s);
     let (least, largest) = falls.fold((f64::INFINITY, 0.0), |(least, largest), fall| {
         (fall.min(least), fall.max(largest))
     });
-    let is_complete = sides.iter().all(|points| points.len() == BOTH_SIDES.len());
-    is_complete && least > 0.0 && largest <= EVEN * least
+    least > 0.0 && largest <= EVEN * least
 }
 
-/// On each side of the point `first`, the solutions at the distances [`BOTH_SIDES`] that can be found, the closest one first.
+/// On each side of the point `first`, the solutions at the distances [`BOTH_SIDES`] that can be found, the closest one first, with their
+/// arclengths from `first`.
 fn beside<'a, 'p>(
     balance: &'a Balance<'p>,
     first: &'a BranchPoint<'p>,
     newton: NewtonSettings,
-) -> impl Iterator<Item = impl Iterator<Item = Iterate<'p>>> {
+) -> impl Iterator<Item = impl Iterator<Item = (f64, Iterate<'p>)>> {
     SIDES.into_iter().map(move |side| {
         let steps = BOTH_SIDES.iter().map(move |step| side * step);
-        steps.filter_map(move |step| first.step(balance, step, newton).ok())
+        steps.filter_map(move |step| Some((step, first.step(balance, step, newton).ok()?)))
     })
 }
 
-/// The highest maximum next to the maximum `found`, if that one is flat or its sharpness unknown.
+/// The highest maximum next to the maximum `found`, if that one is flat or its sharpness unknown. It is searched from the nearest starts
+/// alone, since each maximum on each set of harmonics is searched so; farther ones are on the branch that is followed at the end.
 ///
 /// Where a contact begins or ends to slip or to lift off in a period, the slope of the amplitude may jump. At a flat maximum a small
 /// jump is enough for two maxima side by side, and which of them a search meets depends on its start.
@@ -292,7 +294,8 @@ pub fn highest_beside<'p>(
     if !found.is_flat() {
         return found;
     }
-    let higher = higher_on_both_sides(balance, &found.iterate, 1.0 + HIGHER, settings, newton);
+    let least = 1.0 + HIGHER;
+    let higher = higher_on_both_sides(balance, &found.iterate, least, 1, settings, newton);
     higher.unwrap_or(found)
 }
 
