@@ -14,7 +14,9 @@
 
 mod states;
 
-use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Want, evaluate};
+use microslip::aft::{
+    AftBatch, AftForces, AftPlan, AftReal, AftScratch, AftSettings, Laps, Want, evaluate,
+};
 use microslip::contact::{Events, FrictionLaw, Real};
 use microslip::harmonics::HarmonicSet;
 use pulp::{Arch, Simd, WithSimd};
@@ -144,7 +146,7 @@ fn functions() {
 }
 
 /// Node-states per second.
-fn rate<T: Real>(set: &HarmonicSet, settings: AftSettings, want: Want) -> f64 {
+fn rate<T: AftReal>(set: &HarmonicSet, settings: AftSettings, want: Want) -> f64 {
     let plan = AftPlan::<T>::new(set, settings);
     let batch = batch::<T>(set, N_STATES);
     let (mut scratch, mut out) = (AftScratch::default(), AftForces::default());
@@ -276,6 +278,8 @@ impl Neg for Counted {
         Self(-self.0)
     }
 }
+
+impl AftReal for Counted {}
 
 impl Real for Counted {
     const ZERO: Self = Self(0.0);

@@ -2,7 +2,9 @@
 
 use crate::device;
 use crate::states::{plan, random};
-use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, Block, Tangent, Want, evaluate};
+use microslip::aft::{
+    AftBatch, AftForces, AftPlan, AftReal, AftScratch, Block, Tangent, Want, evaluate,
+};
 use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
 use microslip::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
 use microslip::harmonics::HarmonicSet;
@@ -117,7 +119,7 @@ fn answers<T: Real>(out: &AftForces<T>, batch: &AftBatch<T>) -> Vec<Answer> {
 }
 
 /// Answers of the processor.
-fn by_law<T: Real>(plan: &AftPlan<T>, batch: &AftBatch<T>) -> Vec<Answer> {
+fn by_law<T: AftReal>(plan: &AftPlan<T>, batch: &AftBatch<T>) -> Vec<Answer> {
     let mut out = AftForces::default();
     let want = Want::ForcesAndTangents;
     evaluate(plan, batch, want, &mut AftScratch::default(), &mut out);

@@ -8,8 +8,8 @@ mod plain_march;
 mod steady;
 
 use microslip::aft::{
-    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateSummary,
-    Tangent, Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftReal, AftScratch, AftSettings, Block, Laps, Periodicity,
+    StateSummary, Tangent, Want, evaluate,
 };
 use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
 use microslip::harmonics::{HarmonicSet, phases};
@@ -59,7 +59,7 @@ pub(crate) fn batch<T: Real>(states: &[State]) -> AftBatch<T> {
     }
 }
 
-pub(crate) fn run<T: Real>(plan: &AftPlan<T>, states: &[State], want: Want) -> AftForces<T> {
+pub(crate) fn run<T: AftReal>(plan: &AftPlan<T>, states: &[State], want: Want) -> AftForces<T> {
     let mut out = AftForces::default();
     evaluate(
         plan,

@@ -38,7 +38,47 @@ type LastEvents = [[Option<Event>; 2]; LANES];
 /// The result of a state does not depend on the others, bit for bit. Neither does it depend on the processor's
 /// instruction set, which is found at run time: every operation rounds once and correctly, fused multiply-adds too
 /// (without an instruction for them they are slow). Buffers of `scratch` and `out` are reused.
-pub fn evaluate<T: Real>(
+pub fn evaluate<T: AftReal>(
+    plan: &AftPlan<T>,
+    batch: &AftBatch<T>,
+    want: Want,
+    scratch: &mut AftScratch<T>,
+    out: &mut AftForces<T>,
+) {
+    T::evaluate_batch(plan, batch, want, scratch, out);
+}
+
+/// A number that [`evaluate`] takes. That of `f64` is compiled once, with the solver; that of other types where it is called.
+pub trait AftReal: Real {
+    /// [`evaluate`].
+    #[inline]
+    fn evaluate_batch(
+        plan: &AftPlan<Self>,
+        batch: &AftBatch<Self>,
+        want: Want,
+        scratch: &mut AftScratch<Self>,
+        out: &mut AftForces<Self>,
+    ) {
+        by_law_and_events(plan, batch, want, scratch, out);
+    }
+}
+
+impl AftReal for f32 {}
+
+impl AftReal for f64 {
+    // the same, but a function without type parameters: a crate that calls it does not compile it again
+    fn evaluate_batch(
+        plan: &AftPlan<Self>,
+        batch: &AftBatch<Self>,
+        want: Want,
+        scratch: &mut AftScratch<Self>,
+        out: &mut AftForces<Self>,
+    ) {
+        by_law_and_events(plan, batch, want, scratch, out);
+    }
+}
+
+fn by_law_and_events<T: Real>(
     plan: &AftPlan<T>,
     batch: &AftBatch<T>,
     want: Want,

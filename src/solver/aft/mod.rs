@@ -48,7 +48,7 @@ mod signals;
 mod vector;
 
 pub use batch::{AftBatch, Want};
-pub use evaluate::{AftScratch, evaluate};
+pub use evaluate::{AftReal, AftScratch, evaluate};
 pub use forces::{AftForces, Block, Periodicity, StateCounts, StateSummary, Tangent};
 pub use plan::AftPlan;
 pub use settings::{AftSettings, Laps};

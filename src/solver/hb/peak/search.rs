@@ -218,8 +218,8 @@ pub fn highest_on_both_sides<'p>(
 }
 
 /// A maximum next to the maximum `found` whose amplitude is more than `least` times that of `found`, the higher one of both sides. A start
-/// close to `found` may lead back to it; then one farther away is taken, `n_starts` of [`BOTH_SIDES`] at most. Where the amplitude is one
-/// parabola there is no other maximum, and nothing is searched.
+/// close to `found` may lead back to it; then one farther away is taken, `n_starts` at most. Where the amplitude is one parabola there is
+/// no other maximum, and nothing is searched.
 pub fn higher_on_both_sides<'p>(
     balance: &Balance<'p>,
     found: &Iterate<'p>,
