@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use crate::ensemble::table::TableError;
 use crate::file::FileError;
-use crate::hb::ProblemError;
 use crate::identify::IdentifyError;
 use crate::import::ImportError;
 use crate::model::ModelError;
@@ -37,9 +36,6 @@ pub enum Error {
     /// The built-in model cannot be built from its settings.
     #[error("model: {0}")]
     Model(#[from] ModelError),
-    /// The model with these contacts is no harmonic balance problem.
-    #[error("model: {0}")]
-    Problem(#[from] ProblemError),
     /// The threads asked for could not be started.
     #[error("threads: {0}")]
     Threads(String),

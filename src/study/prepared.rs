@@ -136,7 +136,7 @@ impl Study {
         linear: &LinearModel,
         solved: &[ContactParameters<f64>],
     ) -> Result<NumberedModes, Error> {
-        let no_modes = |error: LinalgError| Error::Problem(error.into());
+        let no_modes = |error: LinalgError| self.no_problem(error);
         let stuck = model.stuck_frequencies().map_err(no_modes)?;
         let springs = stuck_stiffness(solved);
         let own = natural_frequencies(linear, &springs).map_err(no_modes)?;
@@ -175,13 +175,11 @@ impl Study {
     pub(super) fn linear(&self, model: &StudyModel) -> Result<LinearModel, Error> {
         self.check_inputs(&model.reduced)?;
         if let Some(of) = &model.disk {
-            return Ok(LinearModel::travelling_wave(&of.disk, of.engine_order)?);
+            let wave = LinearModel::travelling_wave(&of.disk, of.engine_order);
+            return wave.map_err(|error| self.no_problem(error));
         }
-        Ok(LinearModel::of(
-            &model.reduced,
-            &model.contacts,
-            self.folds(),
-        )?)
+        let linear = LinearModel::of(&model.reduced, &model.contacts, self.folds());
+        linear.map_err(|error| self.no_problem(error))
     }
 }
 
@@ -202,7 +200,7 @@ impl Study {
             Err(
                 rule @ (ProblemError::NotHeldWithoutFriction | ProblemError::NoStaticEquilibrium),
             ) => Err(self.bad_setting(&BadSetting::new(key, value, rule.to_string()))),
-            other => Ok(other.map(drop)?),
+            other => other.map(drop).map_err(|error| self.no_problem(error)),
         }
     }
 
@@ -218,11 +216,8 @@ impl Study {
             return Ok(None);
         }
         let [_, high] = self.frequency.band;
-        Ok(Some(MistunedDisk::new(
-            of.disk.clone(),
-            of.engine_order,
-            high,
-        )?))
+        let disk = MistunedDisk::new(of.disk.clone(), of.engine_order, high);
+        disk.map(Some).map_err(|error| self.no_problem(error))
     }
 }
 

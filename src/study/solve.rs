@@ -37,7 +37,7 @@ const PARTS: u64 = 100;
 /// mirror-symmetric model where the study lets it. `progress` is called before the first level and on the way.
 ///
 /// # Errors
-/// Whatever building the model refuses; [`Error::Problem`] if it is no harmonic balance problem; [`Error::File`] if
+/// Whatever building the model refuses; [`Error::Study`] if it is no harmonic balance problem; [`Error::File`] if
 /// a result cannot be written or would replace a file of the study.
 pub fn solve(
     study: &Study,
@@ -50,7 +50,8 @@ pub fn solve(
     )?;
     let prepared = study.prepared()?;
     let contacts = prepared.contacts.clone();
-    let problem = Problem::new(&prepared.linear, contacts, 1.0, study.solver.anchor)?;
+    let problem = Problem::new(&prepared.linear, contacts, 1.0, study.solver.anchor)
+        .map_err(|error| study.no_problem(error))?;
     let band = prepared.band();
     let total = PARTS * study.levels.len() as u64;
     let mut curves = Vec::new();

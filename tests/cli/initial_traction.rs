@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::bad_input::assert_refused;
+use crate::long_runs::{files, write};
 use crate::{change, microslip, reference_study};
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::read_samples;
@@ -110,7 +111,7 @@ fn tractions_of_a_sample_are_its_own() {
     );
 }
 
-/// The same where shards solve the samples that follow the atlas.
+/// The same where shards solve the samples that follow the atlas, in place of one process.
 #[test]
 fn shards_draw_the_tractions_of_their_samples() {
     // more samples than the atlas has, each of them short
@@ -122,18 +123,18 @@ fn shards_draw_the_tractions_of_their_samples() {
         }
         folder
     };
-    let whole = new();
-    let expected = bits(&samples(whole.path(), &[]));
     let shared = new();
-    for share in [
-        &["--only-atlas"][..],
-        &["--shard", "1/2"],
-        &["--shard", "0/2"],
-    ] {
+    let share = |share: &[&str]| {
         let run = ["run", "study.toml", "--output", "out", "--quiet"];
         let output = microslip(shared.path(), &[&run, share].concat());
         assert_eq!(output.status.code(), Some(0), "{output:?}");
-    }
+    };
+    share(&["--only-atlas"]);
+    let whole = new();
+    write(&files(shared.path()), whole.path());
+    let expected = bits(&samples(whole.path(), &[]));
+    share(&["--shard", "1/2"]);
+    share(&["--shard", "0/2"]);
     assert!(expected == bits(&samples(shared.path(), &[])), "other bits");
 }
 

@@ -37,7 +37,7 @@ use crate::study::settings::read::Study;
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
 ///
 /// # Errors
-/// Whatever building the model refuses; [`Error::Problem`] if the nominal model is no harmonic balance problem;
+/// Whatever building the model refuses; [`Error::Study`] if the nominal model is no harmonic balance problem;
 /// [`Error::Unfit`] if it has no resonance in the band. [`Error::Results`] if `folder` holds parts of another run, or results of this study with more
 /// samples. [`Error::Threads`] if the system gives no more threads; [`Error::File`] if another process works in the folder. [`Error::Store`] or [`Error::Report`] if
 /// a result cannot be written; [`Error::Stopped`] if the run was stopped. Older results are then as they were.

@@ -37,7 +37,8 @@ pub(super) fn first_record(
 ) -> Result<RunRecord, Error> {
     let study = &prepared.study;
     let (linear, band) = (&prepared.linear, prepared.band());
-    let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;
+    let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)
+        .map_err(|error| study.no_problem(error))?;
     let design = &study.design;
     Ok(RunRecord {
         provenance: provenance(prepared),
@@ -99,7 +100,7 @@ fn disk(prepared: &PreparedStudy) -> Result<Option<DiskRecord>, Error> {
     let Some(of) = &prepared.disk else {
         return Ok(None);
     };
-    let no_modes = |error: LinalgError| Error::Problem(error.into());
+    let no_modes = |error: LinalgError| prepared.study.no_problem(error);
     let found =
         nodal_diameters(of, &prepared.contacts, &prepared.study.frequency).map_err(no_modes)?;
     let record = |of: NodalFrequencies| NodalRecord {
@@ -169,7 +170,7 @@ fn linear_record(
 ) -> Result<LinearRecord, Error> {
     let unit = study.frequency.unit;
     let resonance = linear_resonance(model, k, band)
-        .map_err(|error| Error::Problem(error.into()))?
+        .map_err(|error| study.no_problem(error))?
         .ok_or_else(|| Error::unfit(&study.path, format!(
                 "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
                 unit.shown(band.low),

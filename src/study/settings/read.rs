@@ -13,7 +13,7 @@ use super::solver_section::{ContactSection, SolverSection};
 use crate::Error;
 use crate::ensemble::SampleSolver;
 use crate::file::{FileError, FileRecord};
-use crate::hb::HbSettings;
+use crate::hb::{HbSettings, ProblemError};
 use crate::model::ReducedModel;
 use crate::model::two_blade::TwoBladeSettings;
 use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
@@ -369,6 +369,12 @@ impl Study {
     /// The error of a file that the study names, at the line of the key where the file is not there.
     pub(in crate::study) fn bad_file(&self, error: FileError) -> Error {
         self.placed(|document| document.bad_file(error))
+    }
+
+    /// The error of a model that is no harmonic balance problem, at the line where the study begins to describe it.
+    pub(in crate::study) fn no_problem(&self, error: impl Into<ProblemError>) -> Error {
+        let rule = error.into().to_string();
+        self.placed(|document| document.at_key("model", rule))
     }
 
     /// An error with its place in the study file.

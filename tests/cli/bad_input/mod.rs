@@ -36,6 +36,17 @@ pub(super) fn assert_refused(what: &str, output: &Output, fragments: &[&str]) {
     assert!(output.stdout.is_empty(), "{what}: output before the error");
 }
 
+/// Contacts so stiff that the structure is lost beside them: no command but `inspect` goes on. Seen to fail with the message without file and line.
+#[test]
+fn a_model_that_nothing_can_solve_is_refused_at_its_line() {
+    let folder = folder("study.toml", "k_t1 = 2e5", "k_t1 = 1e25");
+    for command in ["run", "solve"] {
+        let output = microslip(folder.path(), &[command, "study.toml"]);
+        let rule = "study.toml:6: model: the structure with all contacts stuck can move as a rigid body, or its own";
+        assert_refused(command, &output, &[rule]);
+    }
+}
+
 /// Cases of one file: what is replaced, by what, and what the message must name.
 pub(super) fn refuse_all(file: &str, cases: &[(&str, &str, &[&str])]) {
     for (old, new, fragments) in cases {
