@@ -273,6 +273,16 @@ impl PreparedStudy<'_> {
         Band { low, high }
     }
 
+    /// The nominal model at one unit of excitation.
+    ///
+    /// # Errors
+    /// [`Error::Study`] if it is no harmonic balance problem.
+    pub fn nominal_problem(&self) -> Result<Problem<'_>, Error> {
+        let anchor = self.study.solver.anchor;
+        let problem = Problem::new(&self.linear, self.contacts.clone(), 1.0, anchor);
+        problem.map_err(|error| self.study.no_problem(error))
+    }
+
     /// Its samples, predicted peaks improved by `gpu` if there is one.
     #[must_use]
     pub fn ensemble<'a>(&'a self, gpu: Option<&'a LaneDevice>) -> Ensemble<'a> {

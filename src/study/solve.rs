@@ -20,7 +20,7 @@ use crate::hb::response::forced_response::{
 };
 use crate::hb::response::values::{SlowSweep, at_frequencies};
 use crate::hb::structure::resonance::Band;
-use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status, WorkCount};
+use crate::hb::{ContactFractions, CycleWork, Solution, Status, WorkCount};
 use crate::model::ReducedModel;
 
 /// The curves.
@@ -49,9 +49,7 @@ pub fn solve(
         &study.inputs_on_disk(),
     )?;
     let prepared = study.prepared()?;
-    let contacts = prepared.contacts.clone();
-    let problem = Problem::new(&prepared.linear, contacts, 1.0, study.solver.anchor)
-        .map_err(|error| study.no_problem(error))?;
+    let problem = prepared.nominal_problem()?;
     let band = prepared.band();
     let total = PARTS * study.levels.len() as u64;
     let mut curves = Vec::new();

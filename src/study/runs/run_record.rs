@@ -6,8 +6,8 @@ use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::CurvePoint;
 use crate::ensemble::program::Program;
 use crate::ensemble::store::Provenance;
+use crate::hb::LinearModel;
 use crate::hb::structure::resonance::{Band, linear_resonance, linear_response};
-use crate::hb::{LinearModel, Problem};
 use crate::linalg::LinalgError;
 use crate::model::two_blade::ComponentSummary;
 use crate::report::RunRecord;
@@ -37,8 +37,7 @@ pub(super) fn first_record(
 ) -> Result<RunRecord, Error> {
     let study = &prepared.study;
     let (linear, band) = (&prepared.linear, prepared.band());
-    let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)
-        .map_err(|error| study.no_problem(error))?;
+    let nominal = prepared.nominal_problem()?;
     let design = &study.design;
     Ok(RunRecord {
         provenance: provenance(prepared),
