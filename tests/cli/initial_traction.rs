@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use crate::bad_input::assert_refused;
-use crate::long_runs::{files, write};
-use crate::{change, microslip, reference_study};
+use crate::{change, files, microslip, reference_study, write};
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::read_samples;
 use tempfile::TempDir;

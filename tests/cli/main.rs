@@ -46,7 +46,7 @@ mod worst_case;
 
 use program::microslip;
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// A folder with the matrices of a case of `tests/reference`, and the text of its study.
@@ -112,6 +112,32 @@ fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = microslip(folder, arguments);
     assert!(output.status.success(), "{output:?}");
     String::from_utf8(output.stdout).unwrap()
+}
+
+/// Files of a folder with their paths inside it.
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+fn files(folder: &Path) -> Files {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let mut found = Files::new();
+    for path in paths {
+        let name = PathBuf::from(path.file_name().unwrap());
+        match path.is_dir() {
+            true => found.extend((files(&path).into_iter()).map(|(of, all)| (name.join(of), all))),
+            false => found.push((name, std::fs::read(&path).unwrap())),
+        }
+    }
+    found
+}
+
+/// Writes the files into a folder.
+fn write(files: &Files, folder: &Path) {
+    for (path, bytes) in files {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
 }
 
 /// Replaces `old` by `new` in the study of `folder`.

@@ -45,21 +45,21 @@ pub fn evaluate<T: AftReal>(
     scratch: &mut AftScratch<T>,
     out: &mut AftForces<T>,
 ) {
-    T::evaluate_batch(plan, batch, want, scratch, out);
+    T::run(Evaluation {
+        plan,
+        batch,
+        want,
+        scratch,
+        out,
+    });
 }
 
-/// A number that [`evaluate`] takes. That of `f64` is compiled once, with the solver; that of other types where it is called.
+/// A number that [`evaluate`] takes. What evaluates `f64` is compiled once, with the solver; that of other types where it is called.
 pub trait AftReal: Real {
-    /// [`evaluate`].
+    #[doc(hidden)]
     #[inline]
-    fn evaluate_batch(
-        plan: &AftPlan<Self>,
-        batch: &AftBatch<Self>,
-        want: Want,
-        scratch: &mut AftScratch<Self>,
-        out: &mut AftForces<Self>,
-    ) {
-        by_law_and_events(plan, batch, want, scratch, out);
+    fn run(evaluation: Evaluation<'_, Self>) {
+        evaluation.run();
     }
 }
 
@@ -67,55 +67,14 @@ impl AftReal for f32 {}
 
 impl AftReal for f64 {
     // the same, but a function without type parameters: a crate that calls it does not compile it again
-    fn evaluate_batch(
-        plan: &AftPlan<Self>,
-        batch: &AftBatch<Self>,
-        want: Want,
-        scratch: &mut AftScratch<Self>,
-        out: &mut AftForces<Self>,
-    ) {
-        by_law_and_events(plan, batch, want, scratch, out);
+    fn run(evaluation: Evaluation<'_, Self>) {
+        evaluation.run();
     }
 }
 
-fn by_law_and_events<T: Real>(
-    plan: &AftPlan<T>,
-    batch: &AftBatch<T>,
-    want: Want,
-    scratch: &mut AftScratch<T>,
-    out: &mut AftForces<T>,
-) {
-    out.reset(plan, batch);
-    let dispatch = match (plan.settings().law, plan.settings().events) {
-        (FrictionLaw::Box, Events::Located) => dispatch::<T, false, true>,
-        (FrictionLaw::Box, _) => dispatch::<T, false, false>,
-        (FrictionLaw::Circle, Events::Located) => dispatch::<T, true, true>,
-        (FrictionLaw::Circle, _) => dispatch::<T, true, false>,
-    };
-    dispatch(plan, batch, want, scratch, out);
-}
-
-/// Calls the function for the instruction set that is found at run time.
-fn dispatch<T: Real, const CIRCLE: bool, const LOCATED: bool>(
-    plan: &AftPlan<T>,
-    batch: &AftBatch<T>,
-    want: Want,
-    scratch: &mut AftScratch<T>,
-    out: &mut AftForces<T>,
-) {
-    let evaluation = Evaluation::<T, CIRCLE, LOCATED> {
-        plan,
-        batch,
-        want,
-        scratch,
-        out,
-    };
-    plan.arch.dispatch(evaluation);
-}
-
-/// The arguments of [`evaluate`] for one law and one way to resolve events: the compiler keeps the sliders of a small
-/// function in registers, but not those of one that can do everything.
-struct Evaluation<'a, T, const CIRCLE: bool, const LOCATED: bool> {
+/// The arguments of [`evaluate`].
+#[derive(Debug)]
+pub struct Evaluation<'a, T> {
     plan: &'a AftPlan<T>,
     batch: &'a AftBatch<T>,
     want: Want,
@@ -123,20 +82,38 @@ struct Evaluation<'a, T, const CIRCLE: bool, const LOCATED: bool> {
     out: &'a mut AftForces<T>,
 }
 
+impl<T: Real> Evaluation<'_, T> {
+    /// Calls the function for the law, the way to resolve events, and the instruction set that is found at run time.
+    fn run(self) {
+        self.out.reset(self.plan, self.batch);
+        let (arch, settings) = (self.plan.arch, self.plan.settings());
+        match (settings.law, settings.events) {
+            (FrictionLaw::Box, Events::Located) => arch.dispatch(Special::<T, false, true>(self)),
+            (FrictionLaw::Box, _) => arch.dispatch(Special::<T, false, false>(self)),
+            (FrictionLaw::Circle, Events::Located) => arch.dispatch(Special::<T, true, true>(self)),
+            (FrictionLaw::Circle, _) => arch.dispatch(Special::<T, true, false>(self)),
+        }
+    }
+}
+
+/// An evaluation for one law and one way to resolve events: the compiler keeps the sliders of a small function in registers, but not
+/// those of one that can do everything.
+struct Special<'a, T, const CIRCLE: bool, const LOCATED: bool>(Evaluation<'a, T>);
+
 impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
-    for Evaluation<'_, T, CIRCLE, LOCATED>
+    for Special<'_, T, CIRCLE, LOCATED>
 {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
+        let Self(Evaluation {
             plan,
             batch,
             want,
             scratch,
             out,
-        } = self;
+        }) = self;
         let law = if CIRCLE {
             FrictionLaw::Circle
         } else {

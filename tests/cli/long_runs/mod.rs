@@ -7,11 +7,11 @@ mod other_runs;
 mod shares;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Stdio};
 use std::sync::Mutex;
 
-use super::{assert_same_files, change, folder, microslip};
+use super::{Files, assert_same_files, change, files, folder, microslip, write};
 use assert_cmd::cargo::CommandCargoExt;
 use tempfile::TempDir;
 
@@ -30,9 +30,6 @@ fn study(samples: u64) -> TempDir {
     folder
 }
 
-/// Files of a folder with their paths inside it.
-pub(crate) type Files = Vec<(PathBuf, Vec<u8>)>;
-
 /// The same, solved without a disturbance into `whole`: once for all tests, each of which has a copy.
 fn solved(samples: u64) -> TempDir {
     static SOLVED: Mutex<BTreeMap<u64, Files>> = Mutex::new(BTreeMap::new());
@@ -45,28 +42,6 @@ fn solved(samples: u64) -> TempDir {
     let copy = tempfile::tempdir().unwrap();
     write(files, copy.path());
     copy
-}
-
-pub(crate) fn files(folder: &Path) -> Files {
-    let entries = std::fs::read_dir(folder).unwrap();
-    let paths = entries.map(|entry| entry.unwrap().path());
-    let mut found = Files::new();
-    for path in paths {
-        let name = PathBuf::from(path.file_name().unwrap());
-        match path.is_dir() {
-            true => found.extend((files(&path).into_iter()).map(|(of, all)| (name.join(of), all))),
-            false => found.push((name, std::fs::read(&path).unwrap())),
-        }
-    }
-    found
-}
-
-pub(crate) fn write(files: &Files, folder: &Path) {
-    for (path, bytes) in files {
-        let path = folder.join(path);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
 }
 
 /// Waits until a run has written a part.

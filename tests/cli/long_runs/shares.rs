@@ -5,9 +5,10 @@ use std::process::Child;
 use std::time::Duration;
 
 use super::{
-    assert_same_results, change, damage, ended, files, microslip, refused, run, solved, start,
-    study, wait_for_a_part, write,
+    assert_same_results, change, damage, ended, microslip, refused, run, solved, start, study,
+    wait_for_a_part,
 };
+use crate::{files, write};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
