@@ -162,6 +162,13 @@ fn width((_, result): &(VirtualTest, TestResult)) -> Option<f64> {
     Some(0.5 * (k_t.upper - k_t.lower) / k_t.value)
 }
 
+/// Whether a stiffness farther from the truth than the published accuracy is not said to be so little known.
+fn silent(test: &(VirtualTest, TestResult)) -> bool {
+    let beyond = errors(test)[1].is_some_and(|e| e.abs() > PUBLISHED[1]);
+    let told = |note: &String| note.starts_with("the stiffness is only known to");
+    beyond && !test.1.notes.iter().any(told)
+}
+
 /// Frequency of the resonance of the force, where it was found.
 fn resonance_hz((_, result): &(VirtualTest, TestResult)) -> Option<f64> {
     Some(result.cycles?.force_resonance?.frequency_hz)
@@ -188,7 +195,7 @@ fn row(case: &Case<'_>, settings: &IdentifySettings) {
         .iter()
         .map(|(test, _)| test.motion.mobilised[0].min(test.motion.mobilised[1]));
     println!(
-        "| {} | {} | {:.3} | {} | {} | {} | {} of {} | {} | {} of {} | {width} |",
+        "| {} | {} | {:.3} | {} | {} | {} | {} of {} | {} | {} of {} | {width} | {} |",
         case.mu,
         case.scale,
         median(reached.collect()).unwrap_or_default(),
@@ -199,16 +206,17 @@ fn row(case: &Case<'_>, settings: &IdentifySettings) {
         of(0).len(),
         percent(median(of(1))),
         within(1),
-        of(1).len()
+        of(1).len(),
+        found.iter().filter(|test| silent(test)).count()
     );
 }
 
 fn heading(title: &str) {
     println!("\n{title}\n");
     println!(
-        "| mu | scale | traction over limit | gross slip | mu found | median error of mu % | within 1 % | median error of k_t % | within 5 % | half of its interval % |"
+        "| mu | scale | traction over limit | gross slip | mu found | median error of mu % | within 1 % | median error of k_t % | within 5 % | half of its interval % | beyond 5 % untold |"
     );
-    println!("|-|-|-|-|-|-|-|-|-|-|");
+    println!("|-|-|-|-|-|-|-|-|-|-|-|");
 }
 
 fn map(title: &str, base: Case<'_>, settings: &IdentifySettings) {

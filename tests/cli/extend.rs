@@ -5,9 +5,10 @@ use std::process::Output;
 
 use super::{assert_same_files, folder, microslip, succeed};
 
-/// Writes the study with so many samples and other lines replaced.
+/// Writes the study with so many samples, curves of 14 of them, and more lines.
 fn study(folder: &Path, samples: u64, more: &str) {
     let text = super::STUDY.replace("samples = 10", &format!("samples = {samples}"));
+    let text = text.replace("[output]\n", "[output]\ncurve_samples = 14\n");
     std::fs::write(folder.join("study.toml"), format!("{text}\n{more}")).unwrap();
 }
 

@@ -4,13 +4,27 @@ use std::path::Path;
 use std::process::Output;
 
 use serde_json::Value;
+use tempfile::TempDir;
 
 use super::bad_input::assert_refused;
-use super::{STUDY, folder, microslip};
+use super::{folder, microslip, without_curves};
 
 fn with_prior(folder: &Path, prior: &str) -> Output {
     std::fs::write(folder.join("prior.toml"), prior).unwrap();
     microslip(folder, &["reweight", "results", "--prior", "prior.toml"])
+}
+
+/// A folder with the study of two masses and so many samples, without curves, and what follows it.
+fn study(samples: u64, more: &str) -> TempDir {
+    let folder = folder(
+        "study.toml",
+        "samples = 10",
+        &format!("samples = {samples}"),
+    );
+    let path = folder.path().join("study.toml");
+    let text = without_curves(&std::fs::read_to_string(&path).unwrap());
+    std::fs::write(path, text + more).unwrap();
+    folder
 }
 
 fn uniform(low: f64, high: f64) -> String {
@@ -28,7 +42,7 @@ fn reweighted(folder: &Path) -> Value {
 /// with the densities exchanged.
 #[test]
 fn weights_are_those_of_the_densities() {
-    let study = folder("study.toml", "samples = 10", "samples = 120");
+    let study = study(120, "");
     let path = study.path();
     let output = microslip(path, &["run", "study.toml", "--quiet"]);
     assert!(output.status.success(), "{output:?}");
@@ -70,11 +84,9 @@ fn weights_are_those_of_the_densities() {
 /// Outer points are weighted apart. Seen to fail with one group of all samples.
 #[test]
 fn outer_points_are_weighted_apart() {
-    let study = folder("study.toml", "samples = 10", "samples = 160");
-    let path = study.path();
-    let text = STUDY.replace("samples = 10", "samples = 160");
     let box_of = "[inputs.stiffness_scale]\nkind = \"epistemic\"\nlower = 0.5\nupper = 2\n[epistemic]\npoints = 1\n";
-    std::fs::write(path.join("study.toml"), format!("{text}{box_of}")).unwrap();
+    let study = study(160, box_of);
+    let path = study.path();
     let output = microslip(path, &["run", "study.toml", "--quiet"]);
     assert!(output.status.success(), "{output:?}");
     let output = with_prior(path, &uniform(0.1, 0.8));
@@ -167,7 +179,7 @@ fn refused_priors() -> [(String, &'static [&'static str]); 11] {
 /// range.
 #[test]
 fn priors_that_the_samples_do_not_reach_are_refused() {
-    let study = folder("study.toml", "samples = 10", "samples = 120");
+    let study = study(120, "");
     let path = study.path();
     assert_refused(
         "nothing",

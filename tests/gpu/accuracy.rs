@@ -286,6 +286,27 @@ fn shader_and_law_agree_in_single_precision() {
     }
 }
 
+/// What the shaders are compared with: between the law in single and in double precision is rounding alone.
+#[test]
+fn single_precision_follows_double_precision() {
+    let set = HarmonicSet::up_to(5);
+    let scaled = ScaledStates::new(&random(&set, STATES, 10)).unwrap();
+    let (batch, rounded) = (unit_states::<f64>(&scaled), unit_states::<f32>(&scaled));
+    for (law, bounds) in [
+        (FrictionLaw::Box, [3e-7, 1e-6, 3e-6]),
+        (FrictionLaw::Circle, [3e-7, 5e-5, 5e-4]),
+    ] {
+        for (events, n_time) in [(Events::Interpolated, 128), (Events::Located, 64)] {
+            let double = by_law(&plan::<f64>(&set, n_time, law, events), &batch);
+            let single = by_law(&plan::<f32>(&set, n_time, law, events), &rounded);
+            let [forces, _] = differences(&single, &double);
+            let forces = ascending(&forces, |_| true);
+            eprintln!("{law:?} {events:?}: {}", quantiles(&forces));
+            assert_below(&forces, bounds, "forces");
+        }
+    }
+}
+
 /// A gap that closes at a sample to rounding has one sign there as a sample and the other as a polynomial.
 /// Seen to fail with: the direction of a crossing taken from the sign at the end of its interval.
 #[test]

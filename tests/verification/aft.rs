@@ -8,10 +8,10 @@ mod plain_march;
 mod steady;
 
 use microslip::aft::{
-    AftBatch, AftForces, AftPlan, AftReal, AftScratch, AftSettings, Block, Laps, Periodicity,
-    StateSummary, Tangent, Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateSummary,
+    Tangent, Want, evaluate,
 };
-use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::harmonics::{HarmonicSet, phases};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -36,22 +36,12 @@ pub(crate) fn settings(n_time: usize, law: FrictionLaw, events: Events, laps: La
     }
 }
 
-pub(crate) fn batch<T: Real>(states: &[State]) -> AftBatch<T> {
-    let cast = T::from_f64;
+pub(crate) fn batch(states: &[State]) -> AftBatch<f64> {
     let width = states.first().map_or(0, |s| s.q.len());
     let displacement = (0..width)
-        .flat_map(|j| states.iter().map(move |s| cast(s.q[j])))
+        .flat_map(|j| states.iter().map(move |s| s.q[j]))
         .collect();
-    let parameters = states
-        .iter()
-        .map(|s| ContactParameters {
-            k_n: cast(s.p.k_n),
-            k_t: s.p.k_t.map(cast),
-            mu: cast(s.p.mu),
-            n_0: cast(s.p.n_0),
-            anchor: s.p.anchor.map(cast),
-        })
-        .collect();
+    let parameters = states.iter().map(|s| s.p).collect();
     AftBatch {
         n_states: states.len(),
         displacement,
@@ -59,7 +49,7 @@ pub(crate) fn batch<T: Real>(states: &[State]) -> AftBatch<T> {
     }
 }
 
-pub(crate) fn run<T: AftReal>(plan: &AftPlan<T>, states: &[State], want: Want) -> AftForces<T> {
+pub(crate) fn run(plan: &AftPlan<f64>, states: &[State], want: Want) -> AftForces<f64> {
     let mut out = AftForces::default();
     evaluate(
         plan,
@@ -72,9 +62,9 @@ pub(crate) fn run<T: AftReal>(plan: &AftPlan<T>, states: &[State], want: Want) -
 }
 
 /// Force coefficients `[3][m]` of one state.
-pub(crate) fn forces<T: Real>(out: &AftForces<T>, state: usize) -> Vec<f64> {
+pub(crate) fn forces(out: &AftForces<f64>, state: usize) -> Vec<f64> {
     let column = out.forces.iter().skip(state).step_by(out.n_states);
-    column.map(|&f| f.to_f64()).collect()
+    column.copied().collect()
 }
 
 /// Force coefficients of one state evaluated alone.
@@ -153,21 +143,6 @@ fn moving_states(set: &HarmonicSet, s: AftSettings, seed: u64, n: usize) -> Vec<
 fn errors(set: &HarmonicSet, states: &[State], s: AftSettings, exact: &AftForces<f64>) -> Vec<f64> {
     let out = run(&AftPlan::<f64>::new(set, s), states, Want::Forces);
     let error = |i| relative_difference(&forces(&out, i), &forces(exact, i));
-    let mut errors: Vec<f64> = (0..states.len()).map(error).collect();
-    errors.sort_by(f64::total_cmp);
-    errors
-}
-
-/// Differences of single precision from double precision, ascending, relative to the largest force of the state.
-fn single_precision_errors(
-    set: &HarmonicSet,
-    states: &[State],
-    s: AftSettings,
-    want: Want,
-) -> Vec<f64> {
-    let double = run(&AftPlan::<f64>::new(set, s), states, want);
-    let single = run(&AftPlan::<f32>::new(set, s), states, want);
-    let error = |i| relative_difference(&forces(&single, i), &forces(&double, i));
     let mut errors: Vec<f64> = (0..states.len()).map(error).collect();
     errors.sort_by(f64::total_cmp);
     errors
@@ -466,19 +441,5 @@ fn a_shift_in_time_shifts_the_unique_steady_force() {
                 }
             }
         }
-    }
-}
-
-/// Seen to fail with: displacements of the single-precision batch rounded to 12 bits.
-#[test]
-fn single_precision_follows_double_precision() {
-    let set = HarmonicSet::up_to(5);
-    let states = random_states(&mut ChaCha8Rng::seed_from_u64(10), &set, 400);
-    for law in LAWS {
-        let s = settings(128, law, Events::Interpolated, Laps::Periodic);
-        let errors = single_precision_errors(&set, &states, s, Want::ForcesAndTangents);
-        assert!(errors[200] < 1e-6, "median {:e}", errors[200]);
-        assert!(errors[390] < 1e-5, "97.5 % {:e}", errors[390]);
-        assert!(errors[399] < 1e-2, "largest {:e}", errors[399]);
     }
 }

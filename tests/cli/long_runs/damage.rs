@@ -11,7 +11,7 @@ use super::{
     solved, start, wait_for_a_part,
 };
 
-const SAMPLES: u64 = 120;
+const SAMPLES: u64 = 60;
 
 /// A part with a wrong bit, or cut off, or without a companion is named by `verify`, and its samples are solved again.
 /// Seen to fail with hashes that are not compared.

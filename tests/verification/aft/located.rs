@@ -192,15 +192,3 @@ fn a_located_state_does_not_see_its_neighbours() {
         }
     }
 }
-
-/// Seen to fail with: the signals of lane 0 for all lanes.
-#[test]
-fn located_single_precision_follows_double_precision() {
-    let set = HarmonicSet::up_to(5);
-    let states = random_states(&mut ChaCha8Rng::seed_from_u64(10), &set, 400);
-    let s = located(64, Laps::Periodic);
-    let errors = single_precision_errors(&set, &states, s, Want::Forces);
-    assert!(errors[200] < 1e-6, "median {:e}", errors[200]);
-    assert!(errors[390] < 1e-5, "97.5 % {:e}", errors[390]);
-    assert!(errors[399] < 1e-3, "largest {:e}", errors[399]);
-}

@@ -67,7 +67,8 @@ impl ContactCompliance {
             [&self.real, &self.imaginary].map(|matrix| (0..m).map(|i| matrix[(i, i)]).collect());
         let none = c64::new(0.0, 0.0);
         let mut left: Vec<usize> = (0..m).filter(|&i| k[i] != none).collect();
-        let mut group: [Update; WIDTH] = std::array::from_fn(|_| Update::new(m));
+        let mut numbers = vec![0.0; WIDTH * 4 * m];
+        let mut group: [Update; WIDTH] = Update::group(&mut numbers, m);
         while !left.is_empty() {
             for next in 0..WIDTH {
                 let (earlier, rest) = group.split_at_mut(next);
@@ -75,7 +76,7 @@ impl ContactCompliance {
                 let sizes = (left.iter().enumerate()).map(|(at, &i)| (at, pivot(i).norm_sqr()));
                 let largest = sizes.reduce(|a, b| if b.1 > a.1 { b } else { a });
                 let Some((at, _)) = largest else {
-                    rest[0] = Update::new(m);
+                    rest[0].clear();
                     continue;
                 };
                 let i = left.swap_remove(at);
@@ -92,7 +93,7 @@ impl ContactCompliance {
 
     /// The same as [`Self::apply`] where nothing has an imaginary part, as at rest.
     #[inline(always)]
-    fn apply_real(&mut self, group: &[Update; WIDTH]) {
+    fn apply_real(&mut self, group: &[Update<'_>; WIDTH]) {
         let m = self.real.nrows();
         for j in 0..m {
             let first = if self.symmetric { j } else { 0 };
@@ -113,7 +114,7 @@ impl ContactCompliance {
 
     /// Adds a group of updates, to the lower triangle of a symmetric compliance.
     #[inline(always)]
-    fn apply(&mut self, group: &[Update; WIDTH]) {
+    fn apply(&mut self, group: &[Update<'_>; WIDTH]) {
         let m = self.real.nrows();
         for j in 0..m {
             let first = if self.symmetric { j } else { 0 };
@@ -137,20 +138,29 @@ impl ContactCompliance {
 }
 
 /// An update −f h gᵀ with a column h and a row gᵀ of the compliance; real and imaginary parts.
-struct Update {
+struct Update<'a> {
     /// h.
-    column: [Vec<f64>; 2],
+    column: [&'a mut [f64]; 2],
     /// f g.
-    scaled: [Vec<f64>; 2],
+    scaled: [&'a mut [f64]; 2],
 }
 
-impl Update {
-    /// No update.
-    fn new(m: usize) -> Self {
-        let zeros = || [vec![0.0; m], vec![0.0; m]];
-        Self {
-            column: zeros(),
-            scaled: zeros(),
+impl<'a> Update<'a> {
+    /// A group of updates of m points that keeps its numbers in `zeros`, one allocation for all: no updates yet.
+    fn group(mut zeros: &'a mut [f64], m: usize) -> [Self; WIDTH] {
+        std::array::from_fn(|_| {
+            let mut part = || zeros.split_off_mut(..m).unwrap_or_default();
+            Self {
+                column: [part(), part()],
+                scaled: [part(), part()],
+            }
+        })
+    }
+
+    /// Makes it no update.
+    fn clear(&mut self) {
+        for part in self.column.iter_mut().chain(&mut self.scaled) {
+            part.fill(0.0);
         }
     }
 
@@ -169,7 +179,9 @@ impl Update {
             take_product(&mut self.column, f, &update.column);
         }
         if compliance.symmetric {
-            self.scaled.clone_from(&self.column);
+            for (row, column) in self.scaled.iter_mut().zip(&self.column) {
+                row.copy_from_slice(column);
+            }
             return;
         }
         for (row, matrix) in self.scaled.iter_mut().zip(parts) {
@@ -185,7 +197,7 @@ impl Update {
     #[inline(always)]
     fn scale(&mut self, f: c64) {
         let [real, imaginary] = &mut self.scaled;
-        for (re, im) in real.iter_mut().zip(imaginary) {
+        for (re, im) in real.iter_mut().zip(&mut **imaginary) {
             (*re, *im) = (f.re * *re - f.im * *im, f.re * *im + f.im * *re);
         }
     }
@@ -194,8 +206,8 @@ impl Update {
     #[inline(always)]
     fn apply_to_diagonal(&self, diagonal: &mut [Vec<f64>; 2]) {
         let [real, imaginary] = diagonal;
-        let scaled = self.scaled[0].iter().zip(&self.scaled[1]);
-        let column = self.column[0].iter().zip(&self.column[1]);
+        let scaled = self.scaled[0].iter().zip(&*self.scaled[1]);
+        let column = self.column[0].iter().zip(&*self.column[1]);
         for (((re, im), (x, y)), (a, b)) in real.iter_mut().zip(imaginary).zip(scaled).zip(column) {
             *re -= x * a - y * b;
             *im -= x * b + y * a;
@@ -205,9 +217,9 @@ impl Update {
 
 /// y −= f x, real and imaginary parts.
 #[inline(always)]
-fn take_product([real, imaginary]: &mut [Vec<f64>; 2], f: [f64; 2], x: &[Vec<f64>; 2]) {
-    let other = x[0].iter().zip(&x[1]);
-    for ((re, im), (a, b)) in real.iter_mut().zip(imaginary).zip(other) {
+fn take_product([real, imaginary]: &mut [&mut [f64]; 2], f: [f64; 2], x: &[&mut [f64]; 2]) {
+    let other = x[0].iter().zip(&*x[1]);
+    for ((re, im), (a, b)) in real.iter_mut().zip(&mut **imaginary).zip(other) {
         *re -= f[0] * a - f[1] * b;
         *im -= f[0] * b + f[1] * a;
     }
