@@ -123,7 +123,7 @@ fn prior_points(
 
 fn observed(study: &Study, measured: &Path) -> Result<Observations, FileError> {
     let observations = Observations::of(&read_response(measured)?, &study.levels);
-    observations.map_err(|bad| FileError::content(measured, None, bad.to_string()))
+    observations.map_err(|bad| FileError::content(measured, bad.line, bad.fault.to_string()))
 }
 
 fn origin(study: &Study, measured: &Path) -> Result<Origin, Error> {

@@ -86,6 +86,15 @@ impl Scatter {
     }
 }
 
+/// Why a measured response cannot be used.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BadResponse {
+    /// Line of the point at fault; absent where it is the whole file.
+    pub line: Option<u64>,
+    /// The column and the rule.
+    pub fault: BadSetting,
+}
+
 /// Relative difference of two levels that are the same.
 const SAME_LEVEL: f64 = 1e-9;
 
@@ -93,14 +102,17 @@ impl Observations {
     /// Means of a measured response at the `levels` of a study.
     ///
     /// # Errors
-    /// [`BadSetting`] with the name of a column: a level that the study does not have, or deviations that neither the file nor
+    /// [`BadResponse`] with the name of a column: a level that the study does not have, or deviations that neither the file nor
     /// repetitions give.
-    pub fn of(record: &ResponseRecord, levels: &[f64]) -> Result<Self, BadSetting> {
+    pub fn of(record: &ResponseRecord, levels: &[f64]) -> Result<Self, BadResponse> {
         let mut at: Vec<Vec<&ResponsePoint>> = vec![Vec::new(); levels.len()];
-        for point in &record.points {
+        for (i, point) in record.points.iter().enumerate() {
             let same = |level: &f64| (level / point.level_n - 1.0).abs() <= SAME_LEVEL;
             let rule = || format!("must be one of the levels of the study: {levels:?}");
-            let refused = || BadSetting::new("level", point.level_n, rule());
+            let refused = || BadResponse {
+                line: record.lines.get(i).copied(),
+                fault: BadSetting::new("level", point.level_n, rule()),
+            };
             let place = levels.iter().position(same).ok_or_else(refused)?;
             at[place].push(point);
         }
@@ -112,7 +124,10 @@ impl Observations {
         for (k, quantity) in Quantity::ALL.into_iter().enumerate() {
             match is_stated(quantity) {
                 true => stated[k] = stated_check(quantity, &at),
-                false => scatter[k] = Some(pooled(quantity, &at)?),
+                false => {
+                    let of_file = |fault| BadResponse { line: None, fault };
+                    scatter[k] = Some(pooled(quantity, &at).map_err(of_file)?);
+                }
             }
         }
         let measured = at

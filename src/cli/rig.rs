@@ -48,6 +48,11 @@ impl RigArguments {
             "tests": summary.tests.len(),
             "resonances": summary.resonances.len(),
         })));
+        let clipped = summary.tests.iter().filter(|test| test.out_of_range > 0);
+        if let n @ 1.. = clipped.count() {
+            let warning = format!("in {n} tests an instrument was at the end of its range");
+            messages.log.warn(&[warning]);
+        }
         if messages.quiet {
             return Ok(());
         }
@@ -62,11 +67,12 @@ fn show(out: &mut dyn Write, summary: &RigSummary) -> std::io::Result<()> {
     let pressure = &summary.pressure;
     writeln!(
         out,
-        "load {:.1} N; pressure {:.3} MPa, at most {:.3} MPa; {:.0} % of the area within 10 % of the mean",
+        "load {:.1} N; pressure {:.3} MPa, at most {:.3} MPa; within 10 % of the mean {:.0} % of the strip, {:.0} % of the contact",
         summary.load_n,
         pressure.mean_mpa,
         pressure.largest_mpa,
-        100.0 * pressure.within_tenth
+        100.0 * pressure.within_tenth,
+        100.0 * summary.even_area
     )?;
     show_blade(out, summary)?;
     let gross = summary.tests.iter().filter(|test| test.slip == Slip::Gross);
@@ -76,14 +82,6 @@ fn show(out: &mut dyn Write, summary: &RigSummary) -> std::io::Result<()> {
         summary.tests.len(),
         gross.count()
     )?;
-    let out_of_range = summary.tests.iter().filter(|test| test.out_of_range > 0);
-    match out_of_range.count() {
-        0 => {}
-        n => writeln!(
-            out,
-            "warning: in {n} tests an instrument was at the end of its range"
-        )?,
-    }
     for resonance in &summary.resonances {
         let (specimen, level) = (resonance.specimen + 1, resonance.level);
         match &resonance.peak {

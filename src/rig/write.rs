@@ -168,6 +168,11 @@ fn write_specimen(
     let notes: Vec<String> = [note.to_owned()].into_iter().chain(missing).collect();
     let notes: Vec<&str> = notes.iter().map(String::as_str).collect();
     let path = folder.join(format!("{name}.csv"));
-    write_response(&path, &ResponseRecord { name, points }, &notes)?;
+    let record = ResponseRecord {
+        name,
+        points,
+        lines: Vec::new(),
+    };
+    write_response(&path, &record, &notes)?;
     Ok(())
 }

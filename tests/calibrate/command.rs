@@ -181,7 +181,7 @@ fn a_response_that_cannot_be_is_named() {
     };
     let level = refused(&good.replacen("\n1,", "\n1.5,", 1), &[]);
     assert!(
-        level.contains("response.csv") && level.contains("level = 1.5: must be one of the levels"),
+        level.contains("response.csv:2: level = 1.5: must be one of the levels"),
         "{level}"
     );
     let head: Vec<&str> = good.lines().collect();

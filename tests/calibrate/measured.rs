@@ -25,6 +25,7 @@ fn record(frequencies: [[f64; 3]; 2], deviations: Option<[f64; 3]>) -> ResponseR
     ResponseRecord {
         name: "measured".to_owned(),
         points: places.map(point).collect(),
+        lines: Vec::new(),
     }
 }
 
@@ -82,6 +83,7 @@ fn repetitions_are_held_against_stated_deviations() {
     let single = ResponseRecord {
         points: of_record.points.into_iter().step_by(3).collect(),
         name: of_record.name,
+        lines: Vec::new(),
     };
     let single = Observations::of(&single, &levels).unwrap();
     assert_eq!(single.stated, [None; 2], "nothing repeated");

@@ -14,7 +14,7 @@ const INPUT: &str =
 const STIFFNESS: &str =
     "\n[inputs.stiffness_scale]\ndistribution = \"uniform\"\nlow = 0.5\nhigh = 2.0\n";
 
-/// The study of the two blades, with the changes `law` and `levels`, what goes before it and what follows it.
+/// The study of the two blades without curves, with the changes `law` and `levels`, what goes before it and what follows it.
 fn study((law, levels): (&str, &str), samples: u64, more: &str) -> TempDir {
     let (folder, study) = reference_study("lb2");
     let study = study.replace(
@@ -22,7 +22,11 @@ fn study((law, levels): (&str, &str), samples: u64, more: &str) -> TempDir {
         &format!("levels = {levels}"),
     );
     let study = study.replace("law = \"box\"", &format!("law = \"{law}\""));
-    let study = format!("seed = 1\nsamples = {samples}\n{study}{more}");
+    let output = match more.contains("[output]") {
+        true => "",
+        false => "\n[output]\ncurve_samples = 0\n",
+    };
+    let study = format!("seed = 1\nsamples = {samples}\n{study}{more}{output}");
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     folder
 }

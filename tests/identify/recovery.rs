@@ -126,7 +126,7 @@ fn plateaus_tell_the_offset_of_an_uneven_loop() {
     }
 }
 
-/// Seen to fail with one line for both.
+/// Seen to fail with one line for both, and with the interval of a stiffness that neither side has.
 #[test]
 fn both_reversals_are_told_apart() {
     let bench = Bench {
@@ -143,6 +143,8 @@ fn both_reversals_are_told_apart() {
         "{:?}",
         found.notes
     );
+    let known = found.estimate.unwrap().tangential.stiffness_n_per_um;
+    assert!(known.lower <= 30.0 && known.upper >= 60.0, "{known:?}");
 }
 
 /// Seen to fail with the mean normal force in T/N, and in the friction coefficient.

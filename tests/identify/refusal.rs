@@ -52,6 +52,34 @@ fn a_force_of_the_wrong_sign_is_told() {
     );
 }
 
+/// A normal force that is nearly lost for a part of the record, so that T/N is anything.
+fn without_load(share: f64, force: f64) -> HysteresisRecord {
+    let mut record = Bench::default().record();
+    let lost = record.normal_force.len() as f64 * share;
+    let kept = record.normal_force.len() - lost as usize;
+    record.normal_force[kept..].fill(force);
+    record
+}
+
+/// Seen to fail with an interval up to NaN, and nothing said of it.
+#[test]
+fn cycles_that_agree_on_nothing_are_no_test() {
+    let reason = reason(&without_load(0.3, 0.0));
+    let expected =
+        "has cycles so different from each other that nothing is known of the friction coefficient";
+    assert_eq!(reason, expected);
+}
+
+/// Seen to fail without the note.
+#[test]
+fn a_friction_coefficient_that_is_hardly_known_is_told() {
+    let found = identify_test(&without_load(0.1, 60.0), &IdentifySettings::default());
+    let told = |note: &String| note.starts_with("the friction coefficient is only known to ");
+    assert!(found.notes.iter().any(told), "{:?}", found.notes);
+    let found = identify_test(&Bench::default().record(), &IdentifySettings::default());
+    assert!(!found.notes.iter().any(told), "{:?}", found.notes);
+}
+
 /// Seen to fail among noise without the rule of a stated frequency.
 #[test]
 fn part_of_a_period_is_no_loop() {

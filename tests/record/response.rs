@@ -25,6 +25,8 @@ fn record(deviations: bool) -> ResponseRecord {
     ResponseRecord {
         name: "blade".to_owned(),
         points: (0..6).map(point).collect(),
+        // after a note and the names of the columns
+        lines: (3..9).collect(),
     }
 }
 

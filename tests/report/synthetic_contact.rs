@@ -3,8 +3,8 @@
 use microslip::file::FileRecord;
 use microslip::identify::found::pooled_result::{PooledParameter, Trend, TrendOver};
 use microslip::identify::found::result::{
-    Cycles, Friction, LoopFigure, LoopResult, LoopValue, Misfit, Tangential, TestEstimate,
-    TestStatus,
+    Cycles, Friction, LoopFigure, LoopResult, LoopScatter, LoopValue, Misfit, Tangential,
+    TestEstimate, TestStatus,
 };
 use microslip::identify::{
     ContactParameter, Identified, IdentifiedInput, IdentifySettings, Pooled, TestResult, Uncertain,
@@ -152,6 +152,11 @@ fn estimate(i: usize, friction: f64, stiffness: f64, load: f64) -> TestEstimate 
         normal_stiffness_n_per_um: None,
         energy_j: uncertain(1e-4, 0.01),
         onset: None,
+        loop_scatter: Some(LoopScatter {
+            friction_coefficient: Some(0.008),
+            tangential_stiffness: Some(0.03),
+            energy: Some(0.006),
+        }),
         error_correlation: 0.1,
         misfit: Misfit {
             relative_rms: 0.01 + 0.002 * i as f64,

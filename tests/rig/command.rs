@@ -406,6 +406,21 @@ fn the_log_ends_with_the_tests() {
     assert_eq!(end["tests"], 4, "{log}");
 }
 
+/// What an instrument cannot measure is a warning, also of a run that says nothing else. Seen to fail with a warning that is part of the summary.
+#[test]
+fn an_instrument_at_the_end_of_its_range_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("{RIG}\n[vibrometer]\nsensitivity_um_per_v = 0.1\n");
+    let output = run(folder.path(), &text, &["--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(
+        said,
+        "warning: in 4 tests an instrument was at the end of its range\n"
+    );
+    assert!(output.stdout.is_empty(), "{output:?}");
+}
+
 /// The shipped rigs are valid.
 #[test]
 fn shipped_rigs_are_valid() {

@@ -17,12 +17,20 @@ const SWING_N: [f64; 2] = [1e-6, 1e7];
 const LARGEST_FORCE_N: f64 = 1e7;
 /// Share of a test in which the contact may be open.
 const MOST_OPEN: f64 = 0.4;
+/// Share of a test from which on its open contact is looked at: less is a fault of single samples.
+const FEWEST_OPEN: f64 = 0.01;
+/// Change of the tangential force while the contact is open, over its swing, that noise may be.
+const OPEN_CHANGE: f64 = 0.2;
+/// Work of the normal force over that of the tangential one, from which on the two must be exchanged...
+const WORK_EXCHANGED: f64 = 3.0;
 /// A force has one sign if it has it in this share of a test.
 const ONE_SIGN: f64 = 0.95;
 /// A force changes its sign if it has each sign in this share of a test.
 const EACH_SIGN: f64 = 0.2;
 /// Work done on the body that moves, over the work without its signs, from which on a sign must be wrong.
 const WORK_GAINED: f64 = 0.2;
+/// ...and over its own work without its signs.
+const WORK_OF_NORMAL: f64 = 0.2;
 /// Correlation of displacement and tangential force below which a sign must be wrong.
 const OPPOSED: f64 = -0.5;
 
@@ -76,7 +84,9 @@ pub(super) fn checked(
     place.frequency()?;
     // before the swings: a normal force that does not change would be taken for a tangential one in a wrong unit
     place.normal_force()?;
+    place.exchanged()?;
     place.swing()?;
+    place.open()?;
     place.signs()?;
     let mut signal = |quantity| channels.signals.remove(&quantity);
     let mut needed = |quantity| signal(quantity).unwrap_or_default();
@@ -208,27 +218,77 @@ impl<'c> Place<'c> {
         Err(self.sample(first, &rule))
     }
 
+    /// The force that swings most and does the work is the tangential one.
+    fn exchanged(&self) -> Result<(), FileError> {
+        let x = self.signal(Quantity::Displacement);
+        let forces = [Quantity::NormalForce, Quantity::TangentialForce];
+        let [normal, tangential] = forces.map(|force| work(&without_mean(self.signal(force)), x));
+        let swings = forces.map(|force| swing(self.signal(force)));
+        let swaps = swings[0] > swings[1] && swings[1] > SWING_N[0];
+        let works = normal.done.abs() > WORK_OF_NORMAL * normal.size;
+        if !(swaps && works) || normal.done.abs() <= WORK_EXCHANGED * tangential.done.abs() {
+            return Ok(());
+        }
+        let rule = "normal force does more work over the relative displacement than tangential force: are the two exchanged?";
+        Err(self.test(rule))
+    }
+
+    /// An open contact carries no tangential force: it stays where its zero is.
+    fn open(&self) -> Result<(), FileError> {
+        let normal = self.signal(Quantity::NormalForce);
+        let tangential = self.signal(Quantity::TangentialForce);
+        let both = normal.iter().zip(tangential);
+        let mut open: Vec<f64> = both.filter(|(n, _)| **n <= 0.0).map(|(_, t)| *t).collect();
+        if (open.len() as f64) < FEWEST_OPEN * normal.len() as f64 {
+            return Ok(());
+        }
+        open.sort_by(f64::total_cmp);
+        // a few samples at both ends may be spikes
+        let spared = open.len() / 20;
+        let change = open[open.len() - 1 - spared] - open[spared];
+        if change <= OPEN_CHANGE * swing(tangential) {
+            return Ok(());
+        }
+        let first = normal.iter().position(|n| *n <= 0.0).unwrap_or(0);
+        let rule = format!(
+            "normal force is <= 0 in {:.0} % of the samples, in which tangential force changes by {change:.4} N: an open contact carries none; is the zero of the \
+             normal force right?",
+            100.0 * open.len() as f64 / normal.len() as f64
+        );
+        Err(self.sample(first, &rule))
+    }
+
     /// A contact takes energy, and its force grows with the displacement while it sticks.
     fn signs(&self) -> Result<(), FileError> {
         let x = self.signal(Quantity::Displacement);
         let force = without_mean(self.signal(Quantity::TangentialForce));
-        let (mut work, mut size) = (0.0, 0.0);
-        for (force, x) in force.windows(2).zip(x.windows(2)) {
-            let step = 0.5 * (force[0] + force[1]) * (x[1] - x[0]);
-            work += step;
-            size += step.abs();
-        }
+        let work = work(&force, x);
         let x = without_mean(x);
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let both = product(&x, &force);
         let correlation = both / (product(&x, &x) * product(&force, &force)).sqrt();
-        if work >= -WORK_GAINED * size && correlation >= OPPOSED {
+        if work.done >= -WORK_GAINED * work.size && correlation >= OPPOSED {
             return Ok(());
         }
         let rule = "tangential force falls where relative displacement grows: must grow with it while the contact sticks; \
                     change the sign of one, or take the inertia of the moved mass out of the force";
         Err(self.test(rule))
     }
+}
+
+/// Work of a force over a displacement, and the same without its signs.
+struct Work {
+    done: f64,
+    size: f64,
+}
+
+fn work(force: &[f64], x: &[f64]) -> Work {
+    let steps = force.windows(2).zip(x.windows(2));
+    let steps = steps.map(|(force, x)| 0.5 * (force[0] + force[1]) * (x[1] - x[0]));
+    let (done, size) = steps.fold((0.0, 0.0), |(done, size), step| {
+        (done + step, size + step.abs())
+    });
+    Work { done, size }
 }
 
 /// Shares of values above and below 0.

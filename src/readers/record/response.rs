@@ -21,6 +21,8 @@ pub struct ResponseRecord {
     pub name: String,
     /// One for each level and repetition, in the order of the file.
     pub points: Vec<ResponsePoint>,
+    /// Line of each point in its file; empty of a record that was not read.
+    pub lines: Vec<u64>,
 }
 
 /// Resonance at one excitation level.
@@ -75,6 +77,7 @@ pub fn read_response(path: &Path) -> Result<ResponseRecord, FileError> {
     Ok(ResponseRecord {
         name: name.to_string_lossy().into_owned(),
         points: points.collect(),
+        lines: table.lines,
     })
 }
 

@@ -186,7 +186,7 @@ fn bad_responses_name_line_column_and_rule() {
         (
             "\n1,",
             "\n3,",
-            "response.csv: level = 3: must be one of the levels",
+            "response.csv:2: level = 3: must be one of the levels",
         ),
     ] {
         let text = good.replacen(old, new, 1);

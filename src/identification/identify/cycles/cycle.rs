@@ -182,7 +182,7 @@ fn motion(record: &HysteresisRecord) -> Result<Fundamental, String> {
     match motion.share < PERIODIC {
         false => Ok(motion),
         true => Err(format!(
-            "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
+            "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %; it does not repeat, or it is small beside noise and steps of its sensor",
             motion.frequency,
             100.0 * motion.share,
             100.0 * PERIODIC,

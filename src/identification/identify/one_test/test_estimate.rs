@@ -5,8 +5,10 @@ use super::test_notes::{notes, other_share};
 use crate::identify::cycles::cycle::{Steady, cut};
 use crate::identify::cycles::mean_loop::{MeanLoop, half_swing, noise, swing};
 use crate::identify::cycles::scatter::{self, ChainError, RandomError, correlation, of_parts};
+use crate::identify::found::parameter::ContactParameter;
 use crate::identify::found::result::{
-    Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
+    Friction, LoopResult, LoopScatter, LoopValue, Onset, Tangential, TestEstimate, TestResult,
+    TestStatus, sides_apart,
 };
 use crate::identify::found::uncertain::{Uncertain, factor};
 use crate::identify::one_loop::branch::leaves_line;
@@ -61,12 +63,33 @@ fn identified(
         Err(reason) => return unusable(reason),
     };
     let cycles = Some(steady.cycles);
-    match Test::new(&steady, spread, settings) {
-        Ok(test) => test.result(record),
+    let found = Test::new(&steady, spread, settings).map(|test| test.result(record));
+    match found.and_then(known) {
+        Ok(result) => result,
         Err(reason) => TestResult {
             cycles,
             ..unusable(reason)
         },
+    }
+}
+
+/// The result, if its numbers and their intervals are finite: cycles that differ by many orders of magnitude leave none.
+fn known(result: TestResult) -> Result<TestResult, String> {
+    let estimate = result.estimate.as_ref();
+    let unknown = ContactParameter::ALL.into_iter().find(|parameter| {
+        let found = estimate.and_then(|e| e.value(*parameter));
+        found.is_some_and(|found| {
+            ![found.value, found.lower, found.upper]
+                .iter()
+                .all(|x| x.is_finite())
+        })
+    });
+    match unknown {
+        None => Ok(result),
+        Some(parameter) => Err(format!(
+            "has cycles so different from each other that nothing is known of the {}",
+            parameter.in_words()
+        )),
     }
 }
 
@@ -123,6 +146,7 @@ impl<'a> Test<'a> {
         let mut fitted = elastic_coulomb(cycle, self.slopes[0], coefficient);
         let (rest, misfit) = misfit(&cycle.tangential, &mut fitted);
         let friction = self.friction();
+        let loops = self.loops();
         let estimate = TestEstimate {
             normal_force_n: self.mean.normal,
             normal_force_range_n: hull(cycle.normal.iter().copied()).unwrap_or_default(),
@@ -137,6 +161,7 @@ impl<'a> Test<'a> {
             normal_stiffness_n_per_um: self.normal_stiffness(),
             energy_j: self.energy(),
             onset: self.onset(),
+            loop_scatter: Some(LoopScatter::of(&loops)),
             error_correlation: correlation(
                 &self.of_batches(|numbers| numbers.friction.map(|p| p.coefficient)),
                 &self.of_batches(|numbers| Some(-numbers.compliance()?)),
@@ -153,7 +178,7 @@ impl<'a> Test<'a> {
             cycles: Some(self.steady.cycles),
             notes: notes(&estimate, &self.steady.cycles, record, self.settings),
             estimate: Some(estimate),
-            loops: self.loops(),
+            loops,
             figure: Some(figure(cycle, &self.shape, &self.mean, &fitted, &rest)),
         }
     }
@@ -249,16 +274,23 @@ impl<'a> Test<'a> {
                 model_error,
             ))
         });
-        let known = || (0..2).filter_map(|side| Some((side, self.mean.lines[side]?)));
-        let count = known().count() as f64;
-        let insides: Vec<RandomError> = known().map(|(side, _)| self.inside(side)).collect();
+        let lines = || (0..2).filter_map(|side| Some((side, self.mean.lines[side]?)));
+        let count = lines().count() as f64;
+        let insides: Vec<RandomError> = lines().map(|(side, _)| self.inside(side)).collect();
         let square: f64 = insides.iter().map(|e| e.standard_error.powi(2)).sum();
         let inside = RandomError {
             standard_error: square.sqrt() / count,
             freedom: insides.iter().map(|e| e.freedom).sum(),
         };
-        let models = known().map(|(_, line)| (line.model_error / line.slope).abs());
-        let model_error = models.sum::<f64>() / count;
+        let models = lines().map(|(_, line)| (line.model_error / line.slope).abs());
+        let mut model_error = models.sum::<f64>() / count;
+        if let Some(distance) = sides_apart(&sides) {
+            // one stiffness for two: the standard error of their mean
+            let half = 0.5 * libm::log(1.0 + distance);
+            let amplified =
+                self.series.derivative(self.slopes[0]) * self.slopes[0] / self.slopes[1];
+            model_error = model_error.hypot(half / amplified);
+        }
         Tangential {
             stiffness_n_per_um: self.stiffness(
                 self.slopes,

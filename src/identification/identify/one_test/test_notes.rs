@@ -1,6 +1,7 @@
 //! What a reader of a test should know.
 
-use crate::identify::found::result::{Cycles, TestEstimate};
+use crate::identify::found::result::{Cycles, TestEstimate, sides_apart};
+use crate::identify::found::uncertain::Uncertain;
 use crate::identify::one_loop::slip_limits::KnownPressure;
 use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
@@ -9,9 +10,7 @@ use crate::record::HysteresisRecord;
 const ENERGY_DIFFERENCE: f64 = 0.05;
 /// Measured over series stiffness above which the rig decides.
 const MOSTLY_RIG: f64 = 0.8;
-/// Difference of the stiffness after both reversals, over their mean, that is told.
-const SIDES_APART: f64 = 0.2;
-/// Half an interval of the stiffness, over its value, that is told: the published accuracy.
+/// Half an interval, over its value, that is told: the published accuracy.
 const HARDLY_KNOWN: f64 = 0.05;
 /// Energy over that of a rectangle of the same size, above which a loop that does not slip as a whole slips in part.
 const PARTIAL_SLIP: f64 = 0.01;
@@ -104,32 +103,41 @@ fn of_friction(estimate: &TestEstimate, notes: &mut Vec<String>) {
             "the friction coefficient from the energy differs from that of the plateaus by {percent:+.1} %"
         ));
     }
-    let slip = friction.coefficient.value * estimate.normal_force_n;
+    let known = friction.coefficient;
+    if let Some([below, above]) = hardly_known(known) {
+        notes.push(format!(
+            "the friction coefficient is only known to {below:.0} and {above:+.0} %: T/N of the plateaus differs from cycle to cycle"
+        ));
+    }
+    let slip = known.value * estimate.normal_force_n;
     if friction.tangential_offset_n.abs() > OFFSET * slip {
         let offset = friction.tangential_offset_n;
         notes.push(format!("the plateaus show an offset of the tangential force of {offset:.4} N, which is taken out"));
     }
 }
 
+/// Ends of an interval that is wide, in percent about the value.
+fn hardly_known(known: Uncertain) -> Option<[f64; 2]> {
+    let wide = known.upper - known.value > HARDLY_KNOWN * known.value;
+    wide.then(|| [known.lower, known.upper].map(|end| 100.0 * (end / known.value - 1.0)))
+}
+
 fn of_stiffness(estimate: &TestEstimate, settings: &IdentifySettings, notes: &mut Vec<String>) {
     let tangential = &estimate.tangential;
-    if let [Some(a), Some(b)] = tangential.sides_n_per_um {
-        let difference = (a.value - b.value).abs() / (0.5 * (a.value + b.value));
-        let error = a.standard_error.hypot(b.standard_error);
-        if difference > SIDES_APART && (a.value - b.value).abs() > 2.0 * error {
-            notes.push(format!(
-                "the stiffness is {:.4} N/um after the reversal at the greatest displacement and {:.4} N/um after that at the least",
-                a.value, b.value
-            ));
-        }
+    if let ([Some(a), Some(b)], Some(_)) = (
+        tangential.sides_n_per_um,
+        sides_apart(&tangential.sides_n_per_um),
+    ) {
+        notes.push(format!(
+            "the stiffness is {:.4} N/um after the reversal at the greatest displacement and {:.4} N/um after that at the least: the interval of the one \
+             stiffness of the test holds both",
+            a.value, b.value
+        ));
     }
     if tangential.bent.contains(&true) {
         notes.push("parts of the contact slip before the whole (microslip): the stick branches are straightened by the spread of the slip limits that fits them".to_owned());
     }
-    let known = tangential.stiffness_n_per_um;
-    if known.upper - known.value > HARDLY_KNOWN * known.value {
-        let [below, above] =
-            [known.lower, known.upper].map(|end| 100.0 * (end / known.value - 1.0));
+    if let Some([below, above]) = hardly_known(tangential.stiffness_n_per_um) {
         notes.push(format!(
             "the stiffness is only known to {below:.0} and {above:+.0} %: its travel is small beside noise and steps of the displacement, or parts of the contact slip early"
         ));

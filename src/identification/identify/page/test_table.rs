@@ -26,10 +26,16 @@ pub(super) fn section(view: &View) -> Section {
     Section {
         id: "tests",
         title: "Tests".to_owned(),
-        blocks: [Some(table(view)), Some(Block::Hint(hint)), notes(view)]
-            .into_iter()
-            .flatten()
-            .collect(),
+        blocks: [
+            Some(table(view)),
+            Some(Block::Hint(hint)),
+            Some(cycle_table(view)),
+            Some(Block::Hint(OF_CYCLES.to_owned())),
+            notes(view),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
     }
 }
 
@@ -91,6 +97,45 @@ fn table(view: &View) -> Block {
     table.block()
 }
 
+const OF_CYCLES: &str = "Slip begins: way after a reversal to where the branch leaves its first slope; slips: way from the middle of the stick branch to \
+                         where the whole contact slips. Scatter: standard deviation of the steady cycles over their mean, with the noise of each cycle.";
+
+/// What the cycles of each test dissipate, where they begin to slip, and how they differ.
+fn cycle_table(view: &View) -> Block {
+    let unit = view.unit.symbol;
+    let columns: Vec<(String, &'static [&'static str])> = vec![
+        ("Test".to_owned(), &["test"]),
+        ("Energy per cycle (J)".to_owned(), fields!("energy_j")),
+        (format!("Slip begins ({unit})"), &["first_slip_m"]),
+        (format!("Slips ({unit})"), &["elastic_limit_m"]),
+        ("Scatter of friction".to_owned(), &["scatter_of_friction"]),
+        ("Of stiffness".to_owned(), &["scatter_of_stiffness"]),
+        ("Of energy".to_owned(), &["scatter_of_energy"]),
+    ];
+    let title = "Energy, onset of slip and scatter from cycle to cycle";
+    let mut table = Table::new(title, "cycles-of-tests", columns);
+    for (i, _, estimate) in view.estimates() {
+        let way = |way: Option<f64>| shown(way, &|way| show(way * view.unit.per_metre));
+        let share = |share: Option<f64>| shown(share, &percent);
+        let scatter = estimate.loop_scatter;
+        table.row(vec![
+            view.test_cell(i),
+            uncertain_cell(Some(estimate.energy_j)),
+            way(estimate.onset.map(|onset| onset.first_slip_m)),
+            way(estimate.onset.map(|onset| onset.elastic_limit_m)),
+            share(scatter.and_then(|s| s.friction_coefficient)),
+            share(scatter.and_then(|s| s.tangential_stiffness)),
+            share(scatter.and_then(|s| s.energy)),
+        ]);
+    }
+    table.block()
+}
+
+/// A number as `text`, or a dash.
+fn shown(value: Option<f64>, text: &dyn Fn(f64) -> String) -> Cell {
+    Cell::number(value.map_or_else(|| DASH.to_owned(), text), value)
+}
+
 /// Word before the name of a specimen that does not begin with it.
 const SPECIMEN: &str = "specimen";
 
@@ -126,9 +171,6 @@ fn numbers(view: &View, test: &TestResult) -> Vec<Cell> {
     };
     let misfit = estimate.map(|e| e.misfit);
     let amplitude = estimate.map(|e| e.displacement_amplitude_m);
-    let shown = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
-        Cell::number(value.map_or_else(|| DASH.to_owned(), text), value)
-    };
     let large = misfit.filter(|m| m.large).map(|_| "large".to_owned());
     vec![
         load_cell(estimate),
