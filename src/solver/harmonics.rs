@@ -4,6 +4,7 @@
 //! harmonics of the set. The complex amplitude of harmonic k is q̂ₖ = cₖ − i sₖ, so q(t) = Re Σ q̂ₖ e^{ikωt}.
 //!
 //! ```
+//! # use microslip_solver as microslip;
 //! use microslip::harmonics::HarmonicSet;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let odd = HarmonicSet::new(vec![0, 1, 3])?;

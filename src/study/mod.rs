@@ -18,6 +18,54 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! The peaks of two lumped blades and their damper at a small and a large excitation level:
+//!
+//! ```
+//! use microslip::contact::FrictionLaw;
+//! use microslip::hb::peak::{search::PeakSettings, track::track_peaks};
+//! use microslip::hb::structure::resonance::Band;
+//! use microslip::hb::{LinearModel, Problem, Status};
+//! use microslip::study::Study;
+//! use microslip::units::{hz_to_rad_s, rad_s_to_hz};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut study = Study::read("studies/own-matrices/study.toml".as_ref())?;
+//! study.solver.alert = None; // keep to the harmonics of the study
+//! let model = study.build_model()?;
+//! let linear = LinearModel::new(&model.reduced)?;
+//! let problem = Problem::new(&linear, model.contacts, 1.0, study.solver.anchor)?;
+//! let band = Band { low: hz_to_rad_s(300.0), high: hz_to_rad_s(400.0) };
+//! let search = PeakSettings { band, frequency_tolerance: 1e-9 };
+//! for peak in track_peaks(&problem, &study.solver, search, &study.levels)? {
+//!     assert_eq!(peak.status, Status::Converged);
+//!     let solution = peak.solution.expect("converged");
+//!     println!("{:.2} Hz, {:.2e} m", rad_s_to_hz(solution.omega), solution.amplitude(0));
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The first samples of a study, solved without writing a file:
+//!
+//! ```
+//! use microslip::study::Study;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut study = Study::read("studies/own-matrices/study.toml".as_ref())?;
+//! study.solver.alert = None; // keep to the harmonics of the study
+//! let prepared = study.prepared()?;
+//! let mut ensemble = prepared.ensemble(None);
+//! ensemble.curve_samples = 0;
+//! let outcomes = ensemble.run(2, || {});
+//! for outcome in &outcomes {
+//!     let peak = outcome.levels[0].peak.expect("a peak");
+//!     println!("{:?}: {:.2} Hz by {:?}", outcome.inputs, peak.frequency_hz, peak.route);
+//! }
+//! assert!(outcomes.iter().all(|outcome| outcome.levels[0].around.curve().is_empty()));
+//! // the nominal model has its curve whatever the samples have
+//! assert!(!ensemble.nominal().levels[0].around.curve().is_empty());
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod built;
 pub mod compare;

@@ -8,6 +8,7 @@
 //! The 95 % quantile of 200 results of which three failed, with its interval:
 //!
 //! ```
+//! # use microslip_probability as microslip;
 //! use microslip::statistics::{Limit, Observed, Sorted, quantile_estimate};
 //!
 //! let results = Sorted::finite((0..197).map(|i| 100.0 + f64::from(i)));

@@ -6,6 +6,7 @@
 //! are the most even). A Latin hypercube and a grid depend on the number of samples too. Knows no blade and no contact. Start reading at [`design`].
 //!
 //! ```
+//! # use microslip_samples as microslip;
 //! use microslip::sampling::{Design, Distribution, Input, Shape};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let friction = Distribution::new(Shape::Uniform { low: 0.1, high: 0.8 }, None)?;

@@ -4,6 +4,7 @@
 //! than that of the spring, and has a part in phase with the velocity.
 //!
 //! ```
+//! # use microslip_solver as microslip;
 //! use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Want, evaluate};
 //! use microslip::contact::{ContactParameters, Events, FrictionLaw};
 //! use microslip::harmonics::HarmonicSet;

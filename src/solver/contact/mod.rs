@@ -5,6 +5,7 @@
 //! A slider with the limit μN = 10 N under a growing displacement: it sticks, then slips.
 //!
 //! ```
+//! # use microslip_solver as microslip;
 //! use microslip::contact::law::box_step;
 //!
 //! let slider = 0.0; // k_t w (N)

@@ -3,6 +3,7 @@
 //! Knows nothing of structures; the names stiffness and mass are used because they are the pencil's usual names.
 //!
 //! ```
+//! # use microslip_solver as microslip;
 //! use faer::mat;
 //! use microslip::linalg::symmetric_generalized_eigen;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -4,6 +4,7 @@
 //! A model by hand; [`matrices`] reads one from files, [`two_blade`] builds the rig.
 //!
 //! ```
+//! # use microslip_solver as microslip;
 //! use faer::Mat;
 //! use microslip::model::{ContactPair, ReducedModel, Response};
 //!

@@ -6,6 +6,7 @@
 //! belong to no part.
 //!
 //! ```
+//! # use microslip_samples as microslip;
 //! use microslip::ensemble::parts::PartFolder;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let results = tempfile::tempdir()?;
