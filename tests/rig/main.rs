@@ -12,6 +12,7 @@ mod loading;
 mod motion;
 #[path = "../common/program.rs"]
 mod program;
+mod response;
 mod signals;
 
 use microslip::rig::{Rig, VirtualTest};

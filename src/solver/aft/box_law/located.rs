@@ -52,7 +52,7 @@ impl<T: Real> LocatedBox<T> {
     #[inline(always)]
     pub(in crate::aft) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
         let (plan, m) = (at.plan, at.plan.m);
-        let p = at.batch.parameters[at.state];
+        let p = at.work.parameters.of(at.lane);
         let scratch = &mut self.lane;
         let q =
             |c: usize, j: usize| at.batch.displacement[(c * m + j) * at.batch.n_states + at.state];

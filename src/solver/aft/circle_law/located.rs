@@ -117,7 +117,7 @@ impl<T: Real> LocatedCircle<T> {
         out: &mut AftForces<T>,
     ) {
         let (plan, m) = (at.plan, at.plan.m);
-        let p = at.batch.parameters[at.state];
+        let p = at.work.parameters.of(at.lane);
         let coefficient =
             |c: usize, j: usize| at.batch.displacement[(c * m + j) * at.batch.n_states + at.state];
         let lane = &mut self.lane;

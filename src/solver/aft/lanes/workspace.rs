@@ -12,6 +12,10 @@ use pulp::Simd;
 /// Traction that counts as rounding, in rounding errors of the largest |k_t u| + mu N of the period.
 const TOLERANCE: f64 = 256.0;
 
+/// Largest friction limit of the period, in rounding errors of the largest |k_t u|, below which there is no friction: the travel of the slider
+/// would be lost in the round-off of the displacement.
+const LOST: f64 = 4.0;
+
 /// Even or odd part of signals at a few points of the first half period, which stay in the first cache.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -158,9 +162,13 @@ impl<T: Real> Workspace<T> {
         }
         self.separated = separated.map(whole);
         for l in 0..LANES {
+            let p = &mut self.parameters;
             let tangential = p.k_t[0][l] * first[l] + p.k_t[1][l] * second[l];
-            let scale = tangential + p.mu[l] * normal[l];
-            self.tolerance[l] = T::from_f64(TOLERANCE) * T::EPSILON * scale;
+            let limit = p.mu[l] * normal[l];
+            self.tolerance[l] = T::from_f64(TOLERANCE) * T::EPSILON * (tangential + limit);
+            if limit > T::ZERO && limit < T::from_f64(LOST) * T::EPSILON * tangential {
+                p.mu[l] = T::ZERO;
+            }
         }
         self.closings.clear();
         let last = (self.samples.len() - 1) % WORD;
