@@ -358,3 +358,31 @@ fn the_grid_goes_with_the_phase() {
     let friction = found.friction.unwrap().coefficient.value;
     assert!((friction / 0.6 - 1.0).abs() < 2e-3, "{friction}");
 }
+
+/// Cycles of the run-in do not count. Seen to fail with all cycles.
+#[test]
+fn the_scatter_is_that_of_the_steady_cycles() {
+    let found = result(&Bench {
+        run_in: 0.3,
+        cycles: 40,
+        noise: [0.0, 0.5, 0.0],
+        ..Bench::default()
+    });
+    let steady = found.loops.iter().filter(|one| one.steady);
+    let values: Vec<f64> = steady
+        .map(|one| one.friction_coefficient.unwrap().value)
+        .collect();
+    assert!(
+        values.len() < found.loops.len() && values.len() > 10,
+        "{}",
+        values.len()
+    );
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let expected = (square / (n - 1.0)).sqrt() / mean;
+    let scatter = found.estimate.unwrap().loop_scatter.unwrap();
+    let share = scatter.friction_coefficient.unwrap();
+    assert!((share / expected - 1.0).abs() < 1e-12, "{share} {expected}");
+    assert!(scatter.energy.unwrap() > 0.0 && scatter.tangential_stiffness.unwrap() > 0.0);
+}
