@@ -2,7 +2,7 @@
 
 use crate::page_rules::assert_whole;
 use crate::synthetic::{LEVELS, SyntheticStudy};
-use microslip::ensemble::outcome::CurvePoint;
+use microslip::ensemble::outcome::{AroundPeak, CurvePoint};
 use microslip::report::asked::Bands;
 use microslip::report::run::InputRecord;
 use microslip::report::{self, ReportInput};
@@ -75,6 +75,26 @@ fn margins_say_how_often_there_are_several_answers() {
         page.contains("several answers on 0 of 60 curves"),
         "levels without folds"
     );
+}
+
+/// Without curves nobody has looked for several answers, and margins say so. Seen to fail with nothing said.
+#[test]
+fn margins_say_that_no_curve_was_looked_at() {
+    let mut study = SyntheticStudy::new(60);
+    for level in study
+        .outcomes
+        .iter_mut()
+        .flat_map(|outcome| &mut outcome.levels)
+    {
+        level.around = AroundPeak::new(level.around.others().to_vec(), Vec::new(), None);
+    }
+    let page = page(&study.input());
+    let table = table(&page, "margins");
+    let rows = table.matches("<tr").count() - 1;
+    let said = table
+        .matches("several answers not looked for: no curves")
+        .count();
+    assert!(rows > 0 && said == rows, "{table}");
 }
 
 /// The synthetic failures lie at stiff contacts with much friction: both inputs say so, on the page and in the report, and

@@ -41,14 +41,11 @@ impl SeveralAnswers {
         }
     }
 
-    /// `several answers on 3 of 30 curves`; nothing without a share.
+    /// `several answers on 3 of 30 curves`.
     pub(in crate::report) fn in_words(&self) -> String {
-        match self.share {
-            None => String::new(),
-            Some(_) => format!(
-                "several answers on {} of {} curves",
-                self.several, self.curves
-            ),
+        match self.curves {
+            0 => "several answers not looked for: no curves".to_owned(),
+            curves => format!("several answers on {} of {curves} curves", self.several),
         }
     }
 }

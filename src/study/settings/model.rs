@@ -280,6 +280,14 @@ fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<Cycli
                 right: right.unwrap_or_default(),
                 blade: blade.unwrap_or_default(),
             };
+            let is_free = blade_frequency_scatter == 0.0 || !settings.is_nodal();
+            let rule = "must be absent where matrices are reduced for each nodal diameter: they have no blade of their own";
+            document.checked(BadSetting::unless(
+                is_free,
+                &format!("model.{SCATTER}"),
+                blade_frequency_scatter,
+                rule,
+            ))?;
             let has_blade = blade_frequency_scatter == 0.0 || !settings.blade.is_empty();
             let rule =
                 format!("must name the degrees of freedom of the blade where {SCATTER} is given");

@@ -130,6 +130,13 @@ pub(crate) const DISK_BEYOND_SCHEMA: &[Case] = &[
         &[":12: model.left = 1 names: must be absent: the matrices of a nodal diameter"],
     ),
     (
+        "sectors = 12\nmass = \"mass.mtx\"\nstiffness = \"stiffness.mtx\"",
+        "sectors = 12\nblade_frequency_scatter = 0.01\nmass = \"mass-{nd}.mtx\"\nstiffness = \"stiffness-{nd}.mtx\"",
+        &[
+            ":8: model.blade_frequency_scatter = 0.01: must be absent where matrices are reduced for each nodal diameter",
+        ],
+    ),
+    (
         "right = [\"right.x\"]",
         "right = []",
         &[":13: model.right = 0 names: must be as many as in left (1)"],

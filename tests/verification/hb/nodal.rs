@@ -213,7 +213,7 @@ fn refused_files() -> Vec<(&'static str, String, &'static str)> {
     let complex = written(&k, Some(Form::General));
     let pairs = written(&k, Some(Form::Pairs));
     vec![
-        ("mass-0.mtx", complex, "must be real: this nodal diameter stands still"),
+        ("mass-0.mtx", complex, "must be real: nodal diameter 0 of model.sectors = 5 stands still"),
         ("mass-1.mtx", written(&askew, Some(Form::General)), "must be Hermitian: entry (4, 1)"),
         (
             "stiffness-2.mtx",
@@ -241,6 +241,57 @@ fn refused_files() -> Vec<(&'static str, String, &'static str)> {
             "nodal diameter 2 row 4",
         ),
     ]
+}
+
+/// Files of a disk of `n_sectors`.
+fn files_of(folder: &Path, n_sectors: usize) {
+    for diameter in 0..=n_sectors / 2 {
+        let matrices = reduced(TAU * diameter as f64 / n_sectors as f64);
+        let form = Some(Form::General).filter(|_| 2 * diameter % n_sectors > 0);
+        for (name, matrix) in ["mass", "stiffness"].into_iter().zip(&matrices) {
+            let file = folder.join(format!("{name}-{diameter}.mtx"));
+            std::fs::write(file, written(matrix, form)).expect("written");
+        }
+    }
+}
+
+/// Files of another number of sectors name it. Seen to fail without each of the rules: the first two were read as another disk.
+#[test]
+fn files_of_another_number_of_sectors_are_refused() {
+    for (of_files, stated, expected) in [
+        (
+            7,
+            5,
+            "mass-3.mtx: is of nodal diameter 3, which is above N/2 = 2 of model.sectors = 5",
+        ),
+        (
+            6,
+            7,
+            "mass-3.mtx: is real, as that of nodal diameter N/2 of an even number of sectors, and lower ones are not: model.sectors = 7 is odd",
+        ),
+        (
+            5,
+            4,
+            "mass-2.mtx: must be real: nodal diameter 2 of model.sectors = 4 stands still",
+        ),
+        (
+            5,
+            8,
+            "mass-3.mtx: must exist: there must be a file for each nodal diameter from 0 to N/2 = 4 of model.sectors = 8",
+        ),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        files_of(folder.path(), of_files);
+        std::fs::write(folder.path().join("nodal.toml"), study(stated, NODAL)).expect("written");
+        let found = Study::read(&folder.path().join("nodal.toml")).map(|study| study.build_model());
+        let error = match found {
+            Ok(Ok(_)) => panic!("{of_files} files, {stated} sectors: read"),
+            Ok(Err(error)) => error.to_string(),
+            Err(error) => error.to_string(),
+        };
+        assert!(error.contains(expected), "{error}: {expected}");
+        assert!(!error.contains('\n'), "{error}");
+    }
 }
 
 /// One line for each rule. Seen to fail with a matrix taken that is not Hermitian.

@@ -147,31 +147,75 @@ impl SectorMatrices {
     }
 }
 
-/// The matrices of all nodal diameters, each with `size` rows; the first one decides that where it is not known.
+/// The matrices of all nodal diameters, each with `size` rows; the first one decides that where it is not known. Their files tell of how many
+/// sectors the disk is: the highest nodal diameter stands still where the number is even, and none is above it.
 fn read_all(
     folder: &Path,
     file: &Path,
     n_sectors: usize,
     size: Option<usize>,
 ) -> Result<Vec<Mat<c64>>, FileError> {
+    let highest = n_sectors / 2;
+    let at = |diameter| folder.join(of_diameter(file, diameter));
+    let above = at(highest + 1);
+    if above.exists() {
+        let rule = format!(
+            "is of nodal diameter {}, which is above N/2 = {highest} of model.sectors = {n_sectors}",
+            highest + 1
+        );
+        return Err(FileError::content(&above, None, rule));
+    }
     let mut matrices: Vec<Mat<c64>> = Vec::new();
-    for diameter in 0..=n_sectors / 2 {
-        let path = folder.join(of_diameter(file, diameter));
+    for diameter in 0..=highest {
+        let path = at(diameter);
+        if !path.exists() {
+            let rule = format!(
+                "must exist: there must be a file for each nodal diameter from 0 to N/2 = {highest} of model.sectors = {n_sectors}"
+            );
+            return Err(FileError::content(&path, None, rule));
+        }
         let stated = read_complex(&path)?;
         let size = size.or(matrices.first().map(Mat::nrows));
         let stands = 2 * diameter % n_sectors == 0;
-        let matrix = hermitian(stated, size, stands);
+        let matrix = hermitian(stated, size, stands).map_err(|rule| match rule {
+            Unfit::Rule(rule) => rule,
+            Unfit::Moves => {
+                format!("must be real: nodal diameter {diameter} of model.sectors = {n_sectors} stands still")
+            }
+        });
         matrices.push(matrix.map_err(|rule| FileError::content(&path, None, rule))?);
+    }
+    // of an odd number of sectors every wave but that of nodal diameter 0 travels
+    let travels =
+        |matrix: &Mat<c64>| (0..matrix.ncols()).any(|j| matrix.col(j).iter().any(|z| z.im != 0.0));
+    if n_sectors % 2 == 1 && matrices.iter().any(travels) && !travels(&matrices[highest]) {
+        let rule = format!(
+            "is real, as that of nodal diameter N/2 of an even number of sectors, and lower ones are not: model.sectors = {n_sectors} is odd"
+        );
+        return Err(FileError::content(&at(highest), None, rule));
     }
     Ok(matrices)
 }
 
+/// Why a matrix is none of its nodal diameter.
+enum Unfit {
+    Rule(String),
+    /// It belongs to a wave that travels, and this one stands still.
+    Moves,
+}
+
+impl From<String> for Unfit {
+    fn from(rule: String) -> Self {
+        Self::Rule(rule)
+    }
+}
+
 /// A positive semidefinite Hermitian matrix of `size` rows, real where the wave `stands`; else also from its real form of twice the size.
-fn hermitian(stated: StatedComplex, size: Option<usize>, stands: bool) -> Result<Mat<c64>, String> {
+fn hermitian(stated: StatedComplex, size: Option<usize>, stands: bool) -> Result<Mat<c64>, Unfit> {
     let StatedComplex { matrix, digits } = stated;
     let (rows, columns) = (matrix.nrows(), matrix.ncols());
     if rows != columns {
-        return Err(format!("is {rows} x {columns}: must be square"));
+        return Err(format!("is {rows} x {columns}: must be square").into());
     }
     let n = size.unwrap_or(rows);
     let largest = matrix.norm_max();
@@ -187,11 +231,12 @@ fn hermitian(stated: StatedComplex, size: Option<usize>, stands: bool) -> Result
             };
             return Err(format!(
                 "is {rows} x {rows}: must be {n} x {n}{pairs}, as nodal diameter 0 of the mass"
-            ));
+            )
+            .into());
         }
     };
     if stands && !is_real {
-        return Err("must be real: this nodal diameter stands still".to_owned());
+        return Err(Unfit::Moves);
     }
     for (i, j) in (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
         let [a, b] = [matrix[(i, j)], matrix[(j, i)]];
@@ -200,7 +245,8 @@ fn hermitian(stated: StatedComplex, size: Option<usize>, stands: bool) -> Result
                 "must be Hermitian: entry ({0}, {1}) = {a} is not the conjugate of ({1}, {0}) = {b}",
                 i + 1,
                 j + 1
-            ));
+            )
+            .into());
         }
     }
     let matrix = Mat::from_fn(n, n, |i, j| {
