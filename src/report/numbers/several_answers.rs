@@ -41,11 +41,12 @@ impl SeveralAnswers {
         }
     }
 
-    /// `several answers on 3 of 30 curves`.
+    /// `several answers on 3 of 30 curves`; nothing where curves have no share.
     pub(in crate::report) fn in_words(&self) -> String {
-        match self.curves {
-            0 => "several answers not looked for: no curves".to_owned(),
-            curves => format!("several answers on {} of {curves} curves", self.several),
+        match (self.curves, self.share) {
+            (0, _) => "several answers not looked for: no curves".to_owned(),
+            (_, None) => String::new(),
+            (curves, Some(_)) => format!("several answers on {} of {curves} curves", self.several),
         }
     }
 }

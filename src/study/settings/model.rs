@@ -241,6 +241,27 @@ fn scatter(document: &mut Document<'_>, sectors: usize) -> Result<f64, Error> {
     Ok(scatter)
 }
 
+/// Reads `[model]` of a sector from matrices, of a disk whose blades scatter by `scatter`.
+fn sector_matrices(document: &mut Document<'_>, scatter: f64) -> Result<SectorMatrices, Error> {
+    let mut names = |key| document.take_below::<Vec<String>>("model", key);
+    let [left, right, blade] = [names("left")?, names("right")?, names("blade")?];
+    let settings = SectorMatrices {
+        sector: document.required("model")?,
+        left: left.unwrap_or_default(),
+        right: right.unwrap_or_default(),
+        blade: blade.unwrap_or_default(),
+    };
+    let key = format!("model.{SCATTER}");
+    let rule = "must be absent where matrices are reduced for each nodal diameter: they have no blade of their own";
+    let has_sectors = scatter == 0.0 || !settings.is_nodal();
+    document.checked(BadSetting::unless(has_sectors, &key, scatter, rule))?;
+    let rule = format!("must name the degrees of freedom of the blade where {SCATTER} is given");
+    let has_blade = scatter == 0.0 || !settings.blade.is_empty();
+    document.checked(BadSetting::unless(has_blade, "model.blade", "[]", &rule))?;
+    document.checked(settings.validate().map_err(|b| b.under("model")))?;
+    Ok(settings)
+}
+
 /// Reads `[model]` of a disk by its `sector`.
 fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<CyclicSettings, Error> {
     let sector = document.take_string("model", "sector")?;
@@ -272,27 +293,7 @@ fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<Cycli
             SectorSettings::BladeStrip { blades, interface }
         }
         "matrices" => {
-            let mut names = |key| document.take_below::<Vec<String>>("model", key);
-            let [left, right, blade] = [names("left")?, names("right")?, names("blade")?];
-            let settings = SectorMatrices {
-                sector: document.required("model")?,
-                left: left.unwrap_or_default(),
-                right: right.unwrap_or_default(),
-                blade: blade.unwrap_or_default(),
-            };
-            let is_free = blade_frequency_scatter == 0.0 || !settings.is_nodal();
-            let rule = "must be absent where matrices are reduced for each nodal diameter: they have no blade of their own";
-            document.checked(BadSetting::unless(
-                is_free,
-                &format!("model.{SCATTER}"),
-                blade_frequency_scatter,
-                rule,
-            ))?;
-            let has_blade = blade_frequency_scatter == 0.0 || !settings.blade.is_empty();
-            let rule =
-                format!("must name the degrees of freedom of the blade where {SCATTER} is given");
-            document.checked(BadSetting::unless(has_blade, "model.blade", "[]", &rule))?;
-            document.checked(settings.validate().map_err(|b| b.under("model")))?;
+            let settings = sector_matrices(document, blade_frequency_scatter)?;
             document.checked(contact.refuse_interface().map_err(of_contact))?;
             SectorSettings::Matrices(settings)
         }

@@ -237,7 +237,7 @@ fn refused_files() -> Vec<(&'static str, String, &'static str)> {
         ),
         (
             "mass-2.mtx",
-            "%%MatrixMarket matrix coordinate complex hermitian\n4 4 3\n1 1 1.0 0.0\n2 2 1.0 0.0\n3 3 1.0 0.0\n".to_owned(),
+            "%%MatrixMarket matrix coordinate complex hermitian\n4 4 4\n1 1 1.0 0.0\n2 1 0.0 0.1\n2 2 1.0 0.0\n3 3 1.0 0.0\n".to_owned(),
             "nodal diameter 2 row 4",
         ),
     ]
