@@ -149,22 +149,6 @@ pub struct Tangential {
     pub bent: [bool; 2],
 }
 
-/// Difference of the stiffness after both reversals, over their mean, from which on they are told apart.
-const SIDES_APART: f64 = 0.2;
-
-/// The larger stiffness of both sides over the smaller one, less 1; absent where they are as alike as a contact's are, or as their errors
-/// leave them.
-#[must_use]
-pub fn sides_apart(sides: &[Option<Uncertain>; 2]) -> Option<f64> {
-    let [Some(a), Some(b)] = sides else {
-        return None;
-    };
-    let difference = (a.value - b.value).abs();
-    let error = a.standard_error.hypot(b.standard_error);
-    let apart = difference > SIDES_APART * 0.5 * (a.value + b.value) && difference > 2.0 * error;
-    apart.then(|| difference / a.value.min(b.value))
-}
-
 /// Standard deviations of the steady loops, over their means, with the noise of each loop; absent of fewer than two loops that have the value.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LoopScatter {
@@ -174,36 +158,6 @@ pub struct LoopScatter {
     pub tangential_stiffness: Option<f64>,
     /// Of the energy per cycle.
     pub energy: Option<f64>,
-}
-
-impl LoopScatter {
-    /// Of the loops that are steady.
-    #[must_use]
-    pub fn of(loops: &[LoopResult]) -> Self {
-        let of = |number: &dyn Fn(&LoopResult) -> Option<f64>| {
-            let steady = loops.iter().filter(|one| one.steady);
-            relative_deviation(&steady.filter_map(number).collect::<Vec<f64>>())
-        };
-        Self {
-            friction_coefficient: of(&|one| Some(one.friction_coefficient?.value)),
-            tangential_stiffness: of(&|one| {
-                let [a, b] = one.tangential_stiffness_n_per_um;
-                Some(0.5 * (a?.value + b?.value))
-            }),
-            energy: of(&|one| Some(one.energy_j)),
-        }
-    }
-}
-
-/// Standard deviation over the mean.
-fn relative_deviation(values: &[f64]) -> Option<f64> {
-    let n = values.len() as f64;
-    if values.len() < 2 {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / n;
-    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    Some((square / (n - 1.0)).sqrt() / mean.abs()).filter(|share| share.is_finite())
 }
 
 /// Where slip begins: the knee of the loop.

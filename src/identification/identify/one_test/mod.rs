@@ -3,3 +3,4 @@
 mod series;
 pub mod test_estimate;
 mod test_notes;
+mod unlike;

@@ -2,13 +2,13 @@
 
 use super::series::Series;
 use super::test_notes::{notes, other_share};
+use super::unlike::{scatter_of, sides_apart};
 use crate::identify::cycles::cycle::{Steady, cut};
 use crate::identify::cycles::mean_loop::{MeanLoop, half_swing, noise, swing};
 use crate::identify::cycles::scatter::{self, ChainError, RandomError, correlation, of_parts};
 use crate::identify::found::parameter::ContactParameter;
 use crate::identify::found::result::{
-    Friction, LoopResult, LoopScatter, LoopValue, Onset, Tangential, TestEstimate, TestResult,
-    TestStatus, sides_apart,
+    Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
 };
 use crate::identify::found::uncertain::{Uncertain, factor};
 use crate::identify::one_loop::branch::leaves_line;
@@ -161,7 +161,7 @@ impl<'a> Test<'a> {
             normal_stiffness_n_per_um: self.normal_stiffness(),
             energy_j: self.energy(),
             onset: self.onset(),
-            loop_scatter: Some(LoopScatter::of(&loops)),
+            loop_scatter: Some(scatter_of(&loops)),
             error_correlation: correlation(
                 &self.of_batches(|numbers| numbers.friction.map(|p| p.coefficient)),
                 &self.of_batches(|numbers| Some(-numbers.compliance()?)),

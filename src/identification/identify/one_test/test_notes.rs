@@ -1,6 +1,7 @@
 //! What a reader of a test should know.
 
-use crate::identify::found::result::{Cycles, TestEstimate, sides_apart};
+use super::unlike::sides_apart;
+use crate::identify::found::result::{Cycles, TestEstimate};
 use crate::identify::found::uncertain::Uncertain;
 use crate::identify::one_loop::slip_limits::KnownPressure;
 use crate::identify::settings::IdentifySettings;
