@@ -156,8 +156,10 @@ const NOT_LISTED: [&str; 5] = [
     "report/page",
 ];
 /// Types of numbers.
-const NUMBERS: [&str; 10] = [
+const NUMBERS: [&str; 14] = [
     "f64",
+    "f32",
+    "i64",
     "usize",
     "u8",
     "u32",
@@ -166,6 +168,8 @@ const NUMBERS: [&str; 10] = [
     "Duration",
     "Damping",
     "[f64;",
+    "[f32;",
+    "[i64;",
     "[usize;",
 ];
 

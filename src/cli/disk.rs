@@ -60,8 +60,12 @@ fn show(out: &mut dyn Write, disk: &DiskSummary) -> std::io::Result<()> {
             let amplitude = words(level.amplitude_m, 1e6, 3);
             writeln!(
                 out,
-                "  {} {}: {frequency} Hz, {amplitude} um (1, 50, 99 %), {} failed",
-                level.level, disk.level_unit, level.failed
+                "  {} {}: {frequency} Hz, {amplitude} um (1, 50, 99 %), {} failed, {} of {} assessed peaks unstable",
+                level.level,
+                disk.level_unit,
+                level.failed,
+                level.stability.unstable,
+                level.stability.assessed
             )?;
         }
         for result in &order.criteria {

@@ -24,6 +24,7 @@ impl ExportArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         let study = Study::read(&self.study)?;
         let exported = export(&study, &self.output)?;
+        Log::default().warn(&study.warnings);
         Log::default().warn(&exported.warnings);
         if self.quiet {
             return Ok(());

@@ -143,7 +143,7 @@ fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     )?;
     writeln!(
         out,
-        "processor time      about {} (within a factor of two)",
+        "processor time      about {} of `run` (within a factor of two; nearly twice that where threads share cores)",
         duration(facts.processor_time_s)
     )?;
     if let Some(pilot) = facts.pilot {

@@ -28,6 +28,7 @@ pub(super) fn show_result(
     let log = messages.log;
     log.warn(&result.notes);
     log.warn(&result.summary.backend.messages());
+    log.warn(&unsolved(&result.summary));
     log.write(&Event::Finished(in_json(result, folder)));
     if messages.quiet {
         return Ok(());
@@ -50,6 +51,14 @@ pub(super) fn show_result(
             folder.display()
         )
     })
+}
+
+/// Levels at which no sample has a solution.
+fn unsolved(summary: &Summary) -> Vec<String> {
+    let without = |failed: usize| summary.samples > 0 && failed == summary.samples;
+    let levels = summary.levels.iter().filter(|level| without(level.failed));
+    let words = levels.map(|level| format!("level {}: no sample has a solution", level.level));
+    words.collect()
 }
 
 /// What a program should know of a result: where it is, how many samples failed at each level, and where the time went.

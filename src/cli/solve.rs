@@ -20,8 +20,10 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     let bar = Bar::new(&arguments.messages);
     let curves = solve(&study, &folder, |progress| bar.show(progress))?;
     bar.clear();
+    let log = arguments.messages.log;
+    log.warn(&stopped(&curves, study.frequency.unit));
     let ended = Event::Finished(in_json(&curves, folder.path()));
-    arguments.messages.log.write(&ended);
+    log.write(&ended);
     if arguments.messages.quiet {
         return Ok(());
     }
@@ -32,6 +34,24 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
         let path = folder.path().display();
         writeln!(out, "curve.csv and solution.json are in {path}")
     })
+}
+
+/// Levels whose curve is not known as a whole, which is no success for those who see warnings alone.
+fn stopped(curves: &[LevelCurve], unit: FrequencyUnit) -> Vec<String> {
+    let hertz = |omega: f64| format!("{:.6} {}", unit.of_rad_s(omega), unit.name());
+    let of_curve = |curve: &LevelCurve| {
+        let gap = curve
+            .response
+            .gap
+            .filter(|_| n_solved(curve) < curve.response.solutions.len())?;
+        Some(format!(
+            "level {}: the response between {} and {} is not known",
+            curve.level,
+            hertz(gap.below.omega),
+            hertz(gap.above.omega)
+        ))
+    };
+    curves.iter().filter_map(of_curve).collect()
 }
 
 /// What a program should know of the curves: where they are, and how many points have a solution at each level.

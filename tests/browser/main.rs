@@ -12,6 +12,7 @@
 mod synthetic;
 
 mod calibration;
+mod disk;
 #[path = "../common/function_case.rs"]
 mod function_case;
 mod identification;
@@ -141,7 +142,7 @@ fn every_figure_is_drawn_and_nothing_overflows() {
     let page = page(&mut SyntheticStudy::new(100));
     let figures = page.matches("<figure>").count();
     assert!(figures > 40, "{figures} figures");
-    for width in [360, 768, 1024, 1280] {
+    for width in [360, 768, 1024, 1280, 1920] {
         let found = measure(&browser, &page, width);
         assert_sound(&found, width, figures, &format!("{width} px"));
         // The last column of the error budget is a sentence: it wraps where the window is wide enough for the table.

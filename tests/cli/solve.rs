@@ -186,6 +186,30 @@ fn a_band_without_the_resonance_says_so() {
     assert!((edge - 150.0).abs() < 1e-9, "{edge}");
 }
 
+/// Warnings stay with `--quiet`: a curve that stops, and a level without any solution. Seen to fail with the program before, which was silent.
+#[test]
+fn what_is_not_solved_is_a_warning() {
+    let few = |command: &str, budget: &str| {
+        let new = format!("time_points = 128\nbudget = {budget}");
+        let folder = crate::folder("study.toml", "time_points = 128", &new);
+        let output = microslip(folder.path(), &[command, "study.toml", "--quiet"]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        assert!(output.stdout.is_empty(), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let text = few("solve", "60");
+    assert!(
+        text.contains("warning: level ") && text.contains(" is not known"),
+        "{text}"
+    );
+    let text = few("run", "3");
+    assert!(
+        text.contains("warning: level 2: no sample has a solution"),
+        "{text}"
+    );
+    assert_eq!(few("solve", "100000"), "");
+}
+
 /// A sweep that cannot go on (its budget is 60 Newton iterations) is no success: text, table and record say where and why.
 #[test]
 fn a_curve_that_stops_says_where_and_why() {

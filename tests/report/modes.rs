@@ -1,9 +1,7 @@
 //! The maxima of all modes: stored, counted and shown.
 
 use crate::synthetic::SyntheticStudy;
-use microslip::ensemble::outcome::{
-    AroundPeak, FollowedModes, MaybeReal, ModeOfMaximum, OtherMaximum,
-};
+use microslip::ensemble::outcome::{AroundPeak, FollowedModes, Maximum, MaybeReal, ModeOfMaximum};
 use microslip::ensemble::store::{FollowedMode, read_samples, write_samples};
 use microslip::report::{self, Summary};
 
@@ -25,11 +23,11 @@ fn study() -> SyntheticStudy {
     for outcome in &mut study.outcomes {
         let index = outcome.index;
         for (i, level) in outcome.levels.iter_mut().enumerate() {
-            let second = OtherMaximum {
+            let second = Maximum {
                 frequency_hz: 3100.0 + index as f64,
                 amplitude_m: 1e-9,
             };
-            let lower = OtherMaximum {
+            let lower = Maximum {
                 frequency_hz: 1.0,
                 amplitude_m: 1e-12,
             };

@@ -3,6 +3,7 @@
 use crate::page_rules::assert_whole;
 use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::ensemble::outcome::{AroundPeak, CurvePoint};
+use microslip::hb::Status;
 use microslip::report::asked::Bands;
 use microslip::report::run::InputRecord;
 use microslip::report::{self, ReportInput};
@@ -75,6 +76,80 @@ fn margins_say_how_often_there_are_several_answers() {
         page.contains("several answers on 0 of 60 curves"),
         "levels without folds"
     );
+}
+
+/// Unstable peaks and solutions of the nominal curve are crosses, and the legend says so; without any there is none. Seen to fail without the
+/// crosses, and with the legend in any case.
+#[test]
+fn what_is_unstable_is_marked() {
+    let crosses = |page: &str, name: &str, class: &str| {
+        let class = format!("class=\"cross {class}\"");
+        let lines = figure(page, name)
+            .split("<path")
+            .filter(|path| path.contains(&class));
+        lines
+            .map(|path| path.matches("l6 6m-6 0l6-6").count())
+            .sum::<usize>()
+    };
+    let mut study = SyntheticStudy::new(60);
+    let legend = "/></svg>unstable<";
+    let stable = page(&study.input());
+    assert_eq!(crosses(&stable, "nominal-response", "l5"), 0);
+    assert!(!stable.contains(legend));
+    for outcome in &mut study.outcomes[..9] {
+        outcome.levels[5].status = Status::Unstable;
+    }
+    let nominal = study.record.nominal.as_mut().unwrap();
+    for (i, point) in nominal.levels[5].around.curve_mut().iter_mut().enumerate() {
+        // solutions, and every second one unstable
+        point.unstable = (20..=28).contains(&i).then_some(i % 2 == 0);
+    }
+    let page = page(&study.input());
+    assert_eq!(crosses(&page, "nominal-response", "l5"), 5);
+    assert_eq!(crosses(&page, "band-5", "plain"), 5);
+    assert_eq!(crosses(&page, "peaks", "l5"), 9);
+    assert!(page.contains(
+        "Stability was assessed at 9 solutions along these curves; 5 of them are unstable."
+    ));
+    assert!(
+        page.contains(legend),
+        "{}",
+        page.matches("unstable").count()
+    );
+}
+
+/// The branches that both sweeps follow are listed, those first that are farthest apart. Seen to fail with the sweeps exchanged, and in the
+/// order of the samples.
+#[test]
+fn sweep_branches_are_listed_by_sample() {
+    let mut study = SyntheticStudy::new(60);
+    let top = LEVELS.len() - 1;
+    let all = study
+        .outcomes
+        .iter()
+        .filter(|o| o.levels[top].around.sweeps().is_some())
+        .count();
+    let around = &study.outcomes[17].levels[top].around;
+    let mut farthest = *around.sweeps().unwrap();
+    farthest.upward.amplitude_m = 0.5 * farthest.downward.amplitude_m;
+    study.outcomes[17].levels[top].around =
+        AroundPeak::new(Vec::new(), around.curve().to_vec(), Some(farthest));
+    let page = page(&study.input());
+    assert!(page.contains(&format!(
+        "Sweep branches of 20 of the {all} curves that fold over, farthest apart first"
+    )));
+    let table = table(&page, "sweep-branches");
+    assert_eq!(table.matches("<tr").count(), 21, "{table}");
+    let first = &table[table.find("<tbody").unwrap()..];
+    let first = &first[..first.find("</tr>").unwrap()];
+    let place = |needle: String| {
+        first
+            .find(&needle)
+            .unwrap_or_else(|| panic!("{needle} is not in {first}"))
+    };
+    let [up, down] =
+        [farthest.upward, farthest.downward].map(|m| place(format!("{:.2}, ", m.frequency_hz)));
+    assert!(up < down && first.contains(">17<"), "{first}");
 }
 
 /// Without curves nobody has looked for several answers, and margins say so. Seen to fail with nothing said.
@@ -157,6 +232,7 @@ fn bands_are_those_that_the_study_asks_for() {
             CurvePoint {
                 frequency_hz: peak.frequency_hz * (1.0 + t),
                 amplitude_m: amplitude / (1.0 + (t / 2e-4).powi(2)).sqrt(),
+                unstable: None,
             }
         };
         *level.around.curve_mut() = (-100..=100).map(point).collect();
@@ -195,6 +271,7 @@ fn narrow_peaks_that_scatter_far_stand_over_their_resonance() {
         let point = |j: i32| CurvePoint {
             frequency_hz: peak.frequency_hz * (1.0 + 1e-5 * f64::from(j)),
             amplitude_m: 1e-7 / (1.0 + (0.1 * f64::from(j)).powi(2)).sqrt(),
+            unstable: None,
         };
         *level.around.curve_mut() = (-100..=100).map(point).collect();
     }
@@ -280,6 +357,7 @@ fn non_finite_numbers_stay_out() {
         outcome.levels[1].around.curve_mut()[3] = CurvePoint {
             frequency_hz: f64::NAN,
             amplitude_m: f64::NAN,
+            unstable: None,
         };
         if let Some(peak) = &mut outcome.levels[2].peak {
             peak.stick_fraction = f64::NAN;

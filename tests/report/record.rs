@@ -30,6 +30,7 @@ fn spoil(study: &mut SyntheticStudy) {
     study.outcomes[7].levels[1].around.curve_mut()[2] = CurvePoint {
         frequency_hz: f64::NAN,
         amplitude_m: 1.0,
+        unstable: None,
     };
     if let Some(nominal) = &mut study.record.nominal {
         nominal.levels[2].peak = None;

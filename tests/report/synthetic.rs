@@ -4,7 +4,7 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::SolvedSample;
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{
-    AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    AroundPeak, CurvePoint, LevelOutcome, Maximum, PeakRecord, SampleOutcome, SweepRecord,
 };
 use microslip::ensemble::store::{ATLAS_FILE, Provenance, SolvedFiles, StoredStudy};
 use microslip::hb::{PeakRoute, SliderAnchor, Status};
@@ -328,14 +328,14 @@ fn level(index: u64, [scale, mu]: [f64; 2], i: usize) -> LevelOutcome {
 
 /// At the highest level every curve leans to low frequencies, and the sweep upwards meets nine tenths of the peak.
 fn sweeps(i: usize, frequency_hz: f64, amplitude_m: f64) -> SweepRecord {
-    let peak = CurvePoint {
+    let peak = Maximum {
         frequency_hz,
         amplitude_m,
     };
     let folds = i + 1 == LEVELS.len();
     SweepRecord {
         upward: match folds {
-            true => CurvePoint {
+            true => Maximum {
                 frequency_hz: frequency_hz + 0.5,
                 amplitude_m: 0.9 * amplitude_m,
             },
@@ -347,8 +347,8 @@ fn sweeps(i: usize, frequency_hz: f64, amplitude_m: f64) -> SweepRecord {
 }
 
 /// None, one or two lower maxima.
-fn others(index: u64, frequency_hz: f64, amplitude_m: f64) -> Vec<OtherMaximum> {
-    let other = |j| OtherMaximum {
+fn others(index: u64, frequency_hz: f64, amplitude_m: f64) -> Vec<Maximum> {
+    let other = |j| Maximum {
         frequency_hz: frequency_hz - 10.0 * j as f64,
         amplitude_m: amplitude_m / (1.0 + j as f64),
     };
@@ -396,6 +396,7 @@ fn lorentz(resonance: f64, amplitude: f64, half_width: f64, reach: f64) -> Vec<C
     let point = |frequency_hz: f64| CurvePoint {
         frequency_hz,
         amplitude_m: amplitude / (1.0 + ((frequency_hz - resonance) / half_width).powi(2)).sqrt(),
+        unstable: None,
     };
     (-30..=30).map(place).map(point).collect()
 }

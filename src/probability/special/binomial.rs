@@ -25,7 +25,7 @@ impl Binomial {
 
     /// P(B < k).
     #[must_use]
-    pub fn fewer_than(&self, k: usize) -> f64 {
+    pub(crate) fn fewer_than(&self, k: usize) -> f64 {
         let [fewer, _] = self.tails(k);
         fewer
     }

@@ -1,5 +1,6 @@
 //! The control variate that a study wants: `[control_variate]` of its file.
 
+use crate::hb::settings::HIGHEST_HARMONIC;
 use crate::sampling::design_settings::MOST_SAMPLES;
 use crate::setting::BadSetting;
 use schemars::JsonSchema;
@@ -19,7 +20,7 @@ const LEAST_RATIO: u64 = 2;
 #[serde(deny_unknown_fields)]
 pub struct ControlVariateSettings {
     /// Highest harmonic of the cheap solutions; below that of the study's own.
-    #[schemars(range(min = 1), extend("default" = DEFAULT_HARMONIC))]
+    #[schemars(range(min = 1, max = HIGHEST_HARMONIC - 1), extend("default" = DEFAULT_HARMONIC))]
     harmonics: Option<usize>,
     /// Number of samples that are solved so, the first of them those of the study; at least twice as many as these.
     #[schemars(range(min = 2, max = MOST_SAMPLES), extend("default" = DEFAULT_SAMPLES))]

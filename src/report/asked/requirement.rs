@@ -22,6 +22,8 @@ const MOST: usize = 1000;
 const LARGEST_MPA: f64 = 1e6;
 /// Strengths of metals (MPa): a smaller number may be one in GPa.
 const USUAL_STRENGTH_MPA: [f64; 2] = [10.0, 1e4];
+/// Speeds of turbines (1/min): a smaller number may be one in Hz.
+const USUAL_SPEED_RPM: [f64; 2] = [100.0, 2e5];
 
 /// Requirements of a study; all may be absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -298,8 +300,15 @@ impl Requirements {
                 ("stress.ultimate_strength_mpa", stress.ultimate_strength_mpa),
             ]
         });
-        let found = strengths.filter_map(|(key, value)| unusual(key, value, USUAL_STRENGTH_MPA));
-        found.collect()
+        let strengths =
+            strengths.filter_map(|(key, value)| unusual(key, value, USUAL_STRENGTH_MPA));
+        let speeds = self
+            .operation
+            .iter()
+            .flat_map(|operation| operation.speed_rpm);
+        let speed =
+            speeds.filter_map(|speed| unusual("operation.speed_rpm", speed, USUAL_SPEED_RPM));
+        strengths.chain(speed.take(1)).collect()
     }
 
     fn supports(&self, criterion: &Criterion) -> Result<(), BadSetting> {

@@ -3,6 +3,8 @@
 use crate::report::assessment::Assessment;
 use crate::report::numbers::margins::OrderMargin;
 use crate::report::numbers::population::Populations;
+use crate::report::numbers::several_answers::SeveralAnswers;
+use crate::report::numbers::stability::StabilityCounts;
 use crate::report::numbers::summary::Summary;
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::{DiskRecord, NodalRecord, RunRecord};
@@ -68,6 +70,10 @@ pub struct OrderLevel {
     pub amplitude_m: Option<[f64; 3]>,
     /// Margin to the engine order.
     pub margin: Option<OrderMargin>,
+    /// How many peaks were assessed for stability, and what was found.
+    pub stability: StabilityCounts,
+    /// Samples with several solutions at some frequency, of those with a curve.
+    pub several_answers: SeveralAnswers,
 }
 
 impl DiskSummary {
@@ -167,6 +173,8 @@ impl OrderSummary {
             frequency_hz: Populations::of(input, i, |peak| peak.frequency_hz).scatter(BAR),
             amplitude_m: Populations::of(input, i, |peak| peak.amplitude_m).scatter(BAR),
             margin: level.margins.into_iter().next(),
+            stability: StabilityCounts::of(input.outcomes, i),
+            several_answers: counted.several_answers,
         });
         Self {
             engine_order: disk.engine_order,

@@ -22,6 +22,7 @@ pub mod population;
 pub mod replicate_means;
 pub mod sensitivity;
 pub mod several_answers;
+pub mod stability;
 pub mod summary;
 pub mod surrogate;
 

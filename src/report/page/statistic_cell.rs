@@ -53,6 +53,11 @@ pub(super) fn percent_range(lower: f64, upper: f64) -> String {
     format!("{} … {}", percent(lower), percent(upper))
 }
 
+/// A share; a dash where there is none.
+pub(super) fn percent_cell(value: Option<f64>) -> Cell {
+    Cell::number(value.map_or_else(|| DASH.to_owned(), percent), value)
+}
+
 /// A share of the samples, and what it can be at least and at most.
 pub(in crate::report) fn share_cell(share: Option<&Share>) -> Cell {
     let Some(share) = share else {

@@ -79,8 +79,7 @@ impl OverBox {
         format!("{input} {}", words.join(", "))
     }
 
-    /// The range of every input over the points with one judgement; absent where a point with another one lies within all of them,
-    /// so that they would claim its judgement for it, too.
+    /// The range of every input over the points with one judgement; absent if a point with another judgement lies inside the ranges.
     fn ranges(&self, judgement: Judgement) -> Option<String> {
         let (of, others): (Vec<_>, Vec<_>) =
             (self.points.iter()).partition(|p| p.judgement == judgement);

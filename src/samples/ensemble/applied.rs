@@ -2,7 +2,8 @@
 
 use super::atlas::AtlasPrediction;
 use super::initial_tractions::shares;
-use super::{Ensemble, Strips};
+use super::shared::Ensemble;
+use super::strips::Strips;
 use crate::contact::ContactParameters;
 use crate::hb::equations::balance::balance_on;
 use crate::hb::peak::predicted::PeakPrediction;

@@ -1,6 +1,6 @@
 //! Whether a GPU improves the predicted peaks of a run: the choice, and what came of it.
 
-use super::Ensemble;
+use super::shared::Ensemble;
 pub use crate::gpu::GpuReport;
 use crate::gpu::GpuSettings;
 pub use crate::lockstep::LaneDevice;

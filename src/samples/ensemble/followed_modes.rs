@@ -1,7 +1,7 @@
 //! The modes of all maxima of a sample, where a study follows all modes.
 
-use super::Ensemble;
 use super::outcome::{FollowedModes, ModeOfMaximum};
+use super::shared::Ensemble;
 use crate::hb::equations::problem::stuck_stiffness;
 use crate::hb::peak::attribution::{ModeOfMaximum as Attributed, ModeShapes};
 use crate::hb::peak::maxima::Maxima;

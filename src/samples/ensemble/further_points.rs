@@ -1,8 +1,8 @@
 //! Samples at further points of the box of the epistemic inputs: the same random inputs as at its outer points.
 
-use super::Ensemble;
 use super::atlas::Anchor;
 use super::outcome::{SampleOutcome, newton_iterations};
+use super::shared::Ensemble;
 use crate::sampling::design::in_32_bits;
 use rayon::prelude::*;
 

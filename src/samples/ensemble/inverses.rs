@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 pub(super) type PeakOfAnchor = (usize, usize, usize);
 /// Place of a sample in the unit cube to the bit, level and mode.
 pub(super) type StartOfSample = (Vec<u64>, usize, usize);
-/// What is made when it is first asked for, by any thread; none where there is no such.
+/// Computed on first use, by any thread; `None` where it cannot be computed.
 pub(super) type Lazy<T> = OnceLock<Option<T>>;
 
 /// The inverses of an atlas.

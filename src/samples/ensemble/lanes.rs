@@ -3,9 +3,9 @@
 //! Only samples that take the inverse of an anchor are given to it ([`super::with_inverse`]). A lane depends on its sample and the
 //! atlas alone, not on the lanes beside it.
 
-use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, Place};
 use super::inverses::Lazy;
+use super::shared::Ensemble;
 use super::with_inverse::MOST_UNKNOWNS;
 use crate::hb::Solution;
 use crate::hb::equations::balance::{Balance, balance_on};

@@ -1,28 +1,20 @@
 //! A sample of a mistuned disk: its largest amplitude over all blades, against the tuned disk with the same inputs.
 
-use super::Ensemble;
 use super::applied::Applied;
 use super::atlas::{Atlas, ModePeaks};
+use super::mistuned_disk::MistunedDisk;
 use super::outcome::{AroundPeak, LevelOutcome, MistunedRecord};
 use super::sample::{SampleResult, record};
+use super::shared::Ensemble;
 use super::times::SampleTimes;
 use crate::hb::peak::blades::{LargestBlade, largest_of_blades};
 use crate::hb::peak::maxima::Maxima;
-use crate::hb::structure::mistuned::{LinearLargest, LinearRing, MistunedRing};
+use crate::hb::structure::mistuned::{LinearLargest, LinearRing};
 use crate::hb::{ProblemError, Solution, Status, WorkCount};
-use crate::model::disk::Disk;
 use crate::sampling::Input;
 use crate::sampling::design::in_32_bits;
 use std::borrow::Cow;
 use std::time::Instant;
-
-/// A disk whose blades differ from sample to sample.
-#[derive(Debug, Clone)]
-pub struct MistunedDisk {
-    disk: Disk,
-    engine_order: usize,
-    ring: MistunedRing,
-}
 
 /// The tuned disk that a sample is compared with.
 struct Tuned {
@@ -30,20 +22,6 @@ struct Tuned {
     peaks: Vec<Maxima>,
     /// Largest amplitude per unit level (m) with all contacts stuck, of the tuned and of the mistuned disk; NaN where there is none.
     linear: [f64; 2],
-}
-
-impl MistunedDisk {
-    /// All sectors of a disk under an engine order; `highest` is the upper end of the band (rad/s).
-    ///
-    /// # Errors
-    /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
-    pub fn new(disk: Disk, engine_order: usize, highest: f64) -> Result<Self, ProblemError> {
-        Ok(Self {
-            ring: MistunedRing::new(&disk, engine_order, highest)?,
-            disk,
-            engine_order,
-        })
-    }
 }
 
 impl Ensemble<'_> {

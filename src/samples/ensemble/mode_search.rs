@@ -5,8 +5,8 @@
 //! nearest anchor along the straight line between the inputs. If that fails too, it is tracked over the levels from the stuck
 //! structure, as without an atlas. [`crate::hb::PeakRoute`] lists all routes.
 
-use super::Ensemble;
 use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, NearAnchor, PathPeak, Place};
+use super::shared::Ensemble;
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::attribution::ModeShapes;
 use crate::hb::peak::level_peak::{LevelPeak, ModeSearch};

@@ -3,10 +3,10 @@
 //! A first look that needs two solves per input: interactions do not show, and a result that turns between the ends is
 //! missed.
 
-use super::Ensemble;
 use super::atlas::Anchor;
 use super::outcome::LevelOutcome;
 use super::runner::FIRST_ANCHORS;
+use super::shared::Ensemble;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

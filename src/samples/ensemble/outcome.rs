@@ -60,7 +60,7 @@ pub struct AroundPeak(Option<Box<KnownAround>>);
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct KnownAround {
-    others: Vec<OtherMaximum>,
+    others: Vec<Maximum>,
     curve: Vec<CurvePoint>,
     #[serde(default)]
     sweeps: Option<SweepRecord>,
@@ -73,7 +73,7 @@ struct KnownAround {
 impl AroundPeak {
     /// Lower maxima of the amplitude, highest first: of other modes that compete, or found in the search for the peak.
     #[must_use]
-    pub fn others(&self) -> &[OtherMaximum] {
+    pub fn others(&self) -> &[Maximum] {
         self.0.as_ref().map_or(&[], |known| &known.others)
     }
 
@@ -119,11 +119,7 @@ impl AroundPeak {
 
     /// These lower maxima, this forced response and what sweeps meet.
     #[must_use]
-    pub fn new(
-        others: Vec<OtherMaximum>,
-        curve: Vec<CurvePoint>,
-        sweeps: Option<SweepRecord>,
-    ) -> Self {
+    pub fn new(others: Vec<Maximum>, curve: Vec<CurvePoint>, sweeps: Option<SweepRecord>) -> Self {
         KnownAround {
             others,
             curve,
@@ -289,9 +285,9 @@ impl PeakRecord {
     }
 }
 
-/// A maximum that is not the highest.
+/// A maximum of the response: one below the highest, or the largest amplitude of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OtherMaximum {
+pub struct Maximum {
     /// Frequency (Hz).
     #[serde(deserialize_with = "number")]
     pub frequency_hz: f64,
@@ -323,9 +319,9 @@ pub struct ModeOfMaximum {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SweepRecord {
     /// The largest amplitude of the sweep from low to high frequencies.
-    pub upward: CurvePoint,
+    pub upward: Maximum,
     /// The largest amplitude of the sweep from high to low frequencies.
-    pub downward: CurvePoint,
+    pub downward: Maximum,
     /// Lowest and highest frequency (Hz) between which there are several solutions; absent where every frequency has one.
     pub several_hz: Option<[f64; 2]>,
 }
@@ -352,6 +348,9 @@ pub struct CurvePoint {
     /// Amplitude of the first response coordinate (m).
     #[serde(deserialize_with = "number")]
     pub amplitude_m: f64,
+    /// Whether it is unstable; absent where that was not assessed, as on the curves of samples, and between the solutions of a curve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unstable: Option<bool>,
 }
 
 /// Reads a number; JSON has no NaN, so `null` stands for it.

@@ -7,17 +7,17 @@ use super::applied::Applied;
 use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{
-    AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    AroundPeak, CurvePoint, LevelOutcome, Maximum, PeakRecord, SampleOutcome, SweepRecord,
 };
+use super::shared::{Ensemble, SampleSolver};
 use super::times::SampleTimes;
-use super::{Ensemble, SampleSolver};
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::branch_maximum::higher_on_branch;
 use crate::hb::peak::maxima::{Maxima, ON_BRANCH, add_higher_on_branches, search_maxima};
 use crate::hb::peak::predicted::on_harmonics;
 use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
-use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
+use crate::hb::{Balance, HbSettings, Problem, ProblemError, Solution, StabilityScope, Status};
 use crate::sampling::design::in_32_bits;
 use crate::units::rad_s_to_hz;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -30,6 +30,14 @@ enum Subject {
     Nominal,
     /// The sample with this index.
     Sample(u64),
+}
+
+/// Whether the stability of a curve is assessed, as far as the settings ask for it. That takes longer than the curve itself, and the curves
+/// of samples are only drawn as a band.
+#[derive(Debug, Clone, Copy)]
+enum CurveStability {
+    Assessed,
+    NotAssessed,
 }
 
 /// What is found at some inputs.
@@ -72,11 +80,12 @@ impl Ensemble<'_> {
         };
         let group = self.design.group(index);
         let (place, curve) = match subject {
-            Subject::Nominal => (Vec::new(), true),
+            Subject::Nominal => (Vec::new(), Some(CurveStability::Assessed)),
             // bands are of the population
             Subject::Sample(_) => (
                 self.design.place(&inputs),
-                index < self.curve_samples && group.of_population(),
+                (index < self.curve_samples && group.of_population())
+                    .then_some(CurveStability::NotAssessed),
             ),
         };
         let SampleResult {
@@ -100,11 +109,17 @@ impl Ensemble<'_> {
     #[must_use]
     pub fn levels(&self, inputs: &[f64], atlas: &Atlas) -> Vec<LevelOutcome> {
         let place = self.design.place(inputs);
-        self.found_at(inputs, &place, atlas, false).levels
+        self.found_at(inputs, &place, atlas, None).levels
     }
 
     /// Records of the levels, with the forced response if wanted.
-    fn found_at(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> SampleResult {
+    fn found_at(
+        &self,
+        inputs: &[f64],
+        place: &[f64],
+        atlas: &Atlas,
+        curve: Option<CurveStability>,
+    ) -> SampleResult {
         let solved = || match (self.solver, self.mistuned) {
             // without inputs it is the nominal disk, which is tuned
             (SampleSolver::HarmonicBalance, Some(disk)) if !inputs.is_empty() => {
@@ -120,7 +135,13 @@ impl Ensemble<'_> {
     }
 
     /// The same by harmonic balance.
-    fn balanced(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> SampleResult {
+    fn balanced(
+        &self,
+        inputs: &[f64],
+        place: &[f64],
+        atlas: &Atlas,
+        curve: Option<CurveStability>,
+    ) -> SampleResult {
         let begun = Instant::now();
         let solved = self.applied(inputs).and_then(|applied| {
             let levels = self.applied_levels(&applied);
@@ -234,13 +255,15 @@ impl Ensemble<'_> {
         problem: &Problem<'_>,
         maxima: &Maxima,
         level: f64,
-        with_curve: bool,
+        curve: Option<CurveStability>,
     ) -> LevelOutcome {
         let mut count = maxima.count;
         let before = problem.effort.count();
         let peak = (maxima.peak()).map(|peak| peak.clone().with_stability(problem, self.settings));
-        let (curve, sweeps) = (peak.as_ref().filter(|_| with_curve))
-            .map_or_else(Default::default, |solution| self.curve(problem, solution));
+        let (curve, sweeps) = Option::zip(peak.as_ref(), curve)
+            .map_or_else(Default::default, |(solution, stability)| {
+                self.curve(problem, solution, stability)
+            });
         count += problem.effort.count().since(before);
         LevelOutcome {
             level,
@@ -264,6 +287,7 @@ impl Ensemble<'_> {
         &self,
         problem: &Problem<'_>,
         solution: &Solution,
+        stability: CurveStability,
     ) -> (Vec<CurvePoint>, Option<SweepRecord>) {
         let newton = self.settings.newton;
         let harmonics = &self.settings.harmonics;
@@ -274,13 +298,21 @@ impl Ensemble<'_> {
         let Ok(start) = start else {
             return Default::default();
         };
-        let found = response_curve(&balance, &start, self.peak.band, newton);
+        let assessed = match stability {
+            CurveStability::Assessed => self.settings.stability,
+            CurveStability::NotAssessed => StabilityScope::Off,
+        };
+        let settings = HbSettings {
+            stability: assessed,
+            ..self.settings.clone()
+        };
+        let found = response_curve(&balance, &start, self.peak.band, &settings);
         let sweeps = found.sweeps.map(|sweeps| SweepRecord {
-            upward: in_hertz(sweeps.upward),
-            downward: in_hertz(sweeps.downward),
+            upward: largest(sweeps.upward),
+            downward: largest(sweeps.downward),
             several_hz: sweeps.several.map(|ends| ends.map(rad_s_to_hz)),
         });
-        (found.points.into_iter().map(in_hertz).collect(), sweeps)
+        (found.points.into_iter().map(drawn).collect(), sweeps)
     }
 
     /// A sample that fails at every level, without peaks.
@@ -315,18 +347,26 @@ fn modes_on_branches(candidates: &[Candidate], near: &[usize]) -> Vec<Candidate>
     on_branch.filter_map(of_sample).collect()
 }
 
-fn in_hertz(point: curve::CurvePoint) -> CurvePoint {
-    CurvePoint {
+fn largest(point: curve::CurvePoint) -> Maximum {
+    Maximum {
         frequency_hz: rad_s_to_hz(point.omega),
         amplitude_m: point.amplitude,
     }
 }
 
+fn drawn(point: curve::CurvePoint) -> CurvePoint {
+    CurvePoint {
+        frequency_hz: rad_s_to_hz(point.omega),
+        amplitude_m: point.amplitude,
+        unstable: point.unstable,
+    }
+}
+
 /// The maxima below the highest one.
-fn others(maxima: &Maxima) -> Vec<OtherMaximum> {
+fn others(maxima: &Maxima) -> Vec<Maximum> {
     let others = maxima.distinct().into_iter().skip(1);
     others
-        .map(|other| OtherMaximum {
+        .map(|other| Maximum {
             frequency_hz: rad_s_to_hz(other.omega),
             amplitude_m: other.amplitude(0),
         })

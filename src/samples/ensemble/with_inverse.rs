@@ -3,9 +3,9 @@
 //! Which inverse a sample takes is decided by its inputs and by the first anchors, which all processes of a run share. So
 //! neither the number of threads nor the order of solving changes a bit.
 
-use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, NearAnchor, Place};
 use super::inverses::Lazy;
+use super::shared::Ensemble;
 use crate::hb::equations::free::StaticReference;
 use crate::hb::equations::inverse::InverseJacobian;
 use crate::hb::peak::anchored::AnchorInverse;

@@ -210,7 +210,7 @@ impl Copula {
     /// Correlates independent uniform numbers. Numbers of uncorrelated inputs keep every bit; none is ever 0 or 1.
     ///
     /// Shape: `u` `[inputs]`, in the order of the matrix.
-    pub fn correlate(&self, u: &mut [f64]) {
+    pub(crate) fn correlate(&self, u: &mut [f64]) {
         let z: Vec<f64> = u.iter().map(|u| normal_quantile(*u)).collect();
         for (i, (u, row)) in u.iter_mut().zip(&self.factor).enumerate() {
             if row[..i].iter().any(|l| *l != 0.0) {

@@ -132,8 +132,11 @@ pub struct HbSettings {
 impl HbSettings {
     /// What may be meant but is unusual; keys as in a study file.
     #[must_use]
-    pub fn unusual(&self) -> Option<BadSetting> {
-        unusual("tolerance", self.newton.tolerance, [1e-12, 1e-6])
+    pub fn unusual(&self) -> Vec<BadSetting> {
+        let tolerance = unusual("tolerance", self.newton.tolerance, [1e-12, 1e-6]);
+        let threshold = self.alert.map(|alert| alert.threshold);
+        let alert = threshold.and_then(|share| unusual("alert.threshold", share, [1e-4, 0.1]));
+        tolerance.into_iter().chain(alert).collect()
     }
 
     /// Checks every rule between the settings; keys as in a study file.

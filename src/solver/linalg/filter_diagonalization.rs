@@ -219,9 +219,9 @@ mod tests {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Against all eigenvalues by the dense routine, with one that grows slowly, and with one that grows so much that the others drown: each
-    /// that is near the largest modulus is found, and each that is found with a small residual is one. Seen to fail with windows
-    /// of 6 angles, narrower than their distance.
+    /// Compared with all eigenvalues by the dense routine, in two cases: one eigenvalue grows slowly, or one grows so much that it hides the
+    /// others. None near the largest modulus is missed, and none with a small residual is false. Seen to fail with windows of 6 angles,
+    /// narrower than their distance.
     #[test]
     fn finds_all_eigenvalues_near_the_largest() {
         for (largest, count, last) in [(1.003, 79, 0.999), (1.8, 0, 1.7)] {

@@ -186,7 +186,7 @@ pub fn vectors<S: Simd>(x: &[f32]) -> &[S::f32s] {
 
 /// `x` as vectors of the instruction set.
 #[inline(always)]
-pub fn vectors_mut<S: Simd>(x: &mut [f32]) -> &mut [S::f32s] {
+pub(crate) fn vectors_mut<S: Simd>(x: &mut [f32]) -> &mut [S::f32s] {
     S::as_mut_simd_f32s(x).0
 }
 

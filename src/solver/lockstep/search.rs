@@ -2,7 +2,7 @@
 //!
 //! A lane is led by the rules that the search on the processor has (`hb::peak::growth`), down to what single precision can
 //! tell, and ends as soon as it is close to its peak. Its point is then the prediction from which the processor searches in double
-//! precision: a device decides no result, and whatever it does wrong costs time.
+//! precision. A device may decide which of several solutions side by side is found; every other error of it costs time alone.
 
 use super::system::{Lane, LaneSystem};
 use crate::hb::Status;

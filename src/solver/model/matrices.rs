@@ -146,13 +146,13 @@ impl MatricesSettings {
         Ok(())
     }
 
-    /// What may be meant but is unusual; keys relative to `[model]`.
+    /// What may be meant but is unusual; keys relative to `[model]`. `in_si`: whether the matrices are in SI units, and no other ones.
     #[must_use]
-    pub fn unusual(&self) -> Vec<BadSetting> {
+    pub fn unusual(&self, in_si: bool) -> Vec<BadSetting> {
         let contacts = self.contact.iter().enumerate();
-        let of_contacts = contacts.filter_map(|(i, contact)| {
-            let found = contact.unusual()?;
-            Some(found.under(&format!("contact[{i}]")))
+        let of_contacts = contacts.flat_map(|(i, contact)| {
+            let found = contact.unusual(in_si).into_iter();
+            found.map(move |bad| bad.under(&format!("contact[{i}]")))
         });
         let ratio = self.modal_damping_ratio;
         let damping = ratio.and_then(|ratio| unusual("modal_damping_ratio", ratio, USUAL_DAMPING));

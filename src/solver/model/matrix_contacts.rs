@@ -55,6 +55,9 @@ pub struct ContactTable {
     pub interface: usize,
 }
 
+/// Usual stiffnesses of a contact (N/m).
+const USUAL_STIFFNESS: [f64; 2] = [1e2, 1e12];
+
 impl ContactTable {
     /// Checks what needs no model. Keys are relative to the table.
     pub(super) fn validate(&self) -> Result<(), BadSetting> {
@@ -81,9 +84,16 @@ impl ContactTable {
         self.validate_preload()
     }
 
-    /// What may be meant but is unusual.
-    pub(super) fn unusual(&self) -> Option<BadSetting> {
-        unusual("mu", self.mu, USUAL_FRICTION)
+    /// What may be meant but is unusual. In units other than SI any stiffness may be usual.
+    pub(super) fn unusual(&self, in_si: bool) -> Vec<BadSetting> {
+        let stiffness = [("k_n", self.k_n), ("k_t1", self.k_t1), ("k_t2", self.k_t2)];
+        let stated = stiffness
+            .into_iter()
+            .filter(|(_, k)| in_si && *k != Some(0.0));
+        let stiff = stated.filter_map(|(key, k)| unusual(key, k?, USUAL_STIFFNESS));
+        stiff
+            .chain(unusual("mu", self.mu, USUAL_FRICTION))
+            .collect()
     }
 
     fn validate_preload(&self) -> Result<(), BadSetting> {

@@ -256,8 +256,7 @@ pub(super) fn resumed(
     Ok(resumed)
 }
 
-/// Of whole results whose study only asks other things of the same samples: the run as if it had asked what `identity` does, and whether
-/// it did not.
+/// The identity of complete results as if their study had asked what that of `identity` asks, and whether it asked other things.
 pub(in crate::study) fn as_asked(
     identity: &RunIdentity,
     stored: RunIdentity,
@@ -271,8 +270,8 @@ pub(in crate::study) fn as_asked(
     }
 }
 
-/// Takes over what whole results in the folder hold of this run: their samples where the study only asks other things of them, those with
-/// a solution where the others are to be solved again.
+/// Takes samples of this run over from complete results in the folder: all of them where only the questions of the study changed, and
+/// those with a solution where the others are to be solved again.
 ///
 /// # Errors
 /// [`Error::File`] if they cannot be read.

@@ -191,6 +191,7 @@ fn linear_record(
         .map(|omega| CurvePoint {
             frequency_hz: rad_s_to_hz(omega),
             amplitude_m: linear_response(model, k, omega).norm(),
+            unstable: None,
         })
         .collect();
     Ok(LinearRecord {

@@ -191,7 +191,7 @@ fn extends(longer: &RunIdentity, results: &RunIdentity) -> bool {
 }
 
 impl RunStatus {
-    /// How far the run of `study` has come that wrote these parts, at least one, `before` it those of whole results.
+    /// Progress of the run of `study` that wrote these parts (at least one); `before` are those of complete results.
     ///
     /// # Errors
     /// [`FileError`] if a part cannot be read, or has another result of a sample than another one.

@@ -83,7 +83,7 @@ impl<'t> Document<'t> {
     ///
     /// # Errors
     /// [`Error::Study`] if the section is no table, or the key is absent or no string.
-    pub fn take_string(&mut self, section: &str, key: &str) -> Result<String, Error> {
+    pub(crate) fn take_string(&mut self, section: &str, key: &str) -> Result<String, Error> {
         if !self.root.contains_key(section) {
             return Err(self.at_key(section, format!("must be given, with a {key}")));
         }

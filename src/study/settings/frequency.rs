@@ -145,10 +145,10 @@ pub struct FrequencyTable {
     #[schemars(inner(range(min = FREQUENCY[0], max = FREQUENCY[1])))]
     band_rad_s: Option<[f64; 2]>,
     /// Frequencies at which `solve` evaluates the response (Hz), ascending. Values outside the band extend it.
-    #[schemars(length(min = 1), transform = crate::setting::positive_items)]
+    #[schemars(length(min = 1), inner(range(min = FREQUENCY[0], max = FREQUENCY[1])))]
     values_hz: Option<Vec<f64>>,
     /// Frequencies at which `solve` evaluates the response (rad/s), ascending; with `band_rad_s`.
-    #[schemars(length(min = 1), transform = crate::setting::positive_items)]
+    #[schemars(length(min = 1), inner(range(min = FREQUENCY[0], max = FREQUENCY[1])))]
     values_rad_s: Option<Vec<f64>>,
     /// Number of evenly spaced frequencies over the band at which `solve` evaluates the response.
     #[schemars(range(min = 2, max = MOST_POINTS))]
@@ -252,7 +252,11 @@ impl FrequencyTable {
                 (0..n).map(|i| band[0] + step * i as f64).collect()
             }
             (Some(values), None) => {
-                ascending_positive(&format!("values_{}", unit.suffix()), values)?;
+                let key = format!("values_{}", unit.suffix());
+                ascending_positive(&key, values)?;
+                for (i, value) in values.iter().enumerate() {
+                    within(&format!("{key}[{i}]"), *value, FREQUENCY)?;
+                }
                 values.clone()
             }
         };

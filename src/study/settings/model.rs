@@ -1,6 +1,7 @@
 //! The structure that a study asks for: `[model]`, with `[contact]` and `[pressure_field]`.
 
 use super::document::Document;
+use super::frequency::FrequencyUnit;
 use super::solver_section::ContactSection;
 use crate::Error;
 use crate::hb::StabilityScope;
@@ -71,6 +72,22 @@ impl ModelSettings {
         }
     }
 
+    /// What may be meant but is unusual in `[contact]` and `[model]`, whose matrices are in SI units with frequencies in Hz.
+    #[must_use]
+    pub fn unusual(&self, unit: FrequencyUnit) -> Vec<BadSetting> {
+        let in_si = unit == FrequencyUnit::Hertz;
+        let interface = self.interface().map(InterfaceSettings::unusual);
+        let of_contact = interface.unwrap_or_default().into_iter();
+        let blades = self.blades().map(TwoBladeSettings::unusual);
+        let matrices = self.matrices().map(|matrices| matrices.unusual(in_si));
+        let of_model = blades.or(matrices).unwrap_or_default().into_iter();
+        let under = |section: &'static str| move |bad: BadSetting| bad.under(section);
+        of_contact
+            .map(under("contact"))
+            .chain(of_model.map(under("model")))
+            .collect()
+    }
+
     /// The files that it is made from, relative to the study file's folder.
     #[must_use]
     pub fn files(&self) -> Vec<PathBuf> {
@@ -83,7 +100,8 @@ impl ModelSettings {
         files.into_iter().map(Path::to_owned).collect()
     }
 
-    /// Which solutions are assessed for stability where the file does not say: of a disk, where it is dear, those that nothing else judges.
+    /// Which solutions are assessed for stability where the file does not say. An assessment of a disk takes long: there only solutions
+    /// that would count as bouncing.
     #[must_use]
     pub fn assessed(&self) -> StabilityScope {
         match self {

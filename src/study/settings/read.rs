@@ -149,9 +149,10 @@ impl Study {
         let checked = asked.check(&model, unit, &levels, &design, &solver_settings);
         checked.map_err(at)?;
         let stopping = samples.plan(&asked.requirements, &design).map_err(at)?;
-        let unusual = unusual(&model, &design, &solver_settings, &asked.requirements);
+        let of_model = model.unusual(unit).into_iter();
+        let beside = unusual(&design, &solver_settings, &asked.requirements);
         let of_file = (stated.file.iter()).flat_map(|file| unusual_in_file(path, file, &design));
-        let warnings = unusual.into_iter().map(|bad| at(bad).to_string());
+        let warnings = of_model.chain(beside).map(|bad| at(bad).to_string());
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
@@ -448,28 +449,19 @@ fn fine_enough(
     Ok(frequency)
 }
 
-/// What may be meant but is unusual, in the order of the file.
-fn unusual(
-    model: &ModelSettings,
-    design: &Design,
-    solver: &HbSettings,
-    requirements: &Requirements,
-) -> Vec<BadSetting> {
-    let mut found = Vec::new();
-    if let Some(interface) = model.interface() {
-        found.extend(interface.unusual().into_iter().map(|b| b.under("contact")));
-    }
-    if let Some(matrices) = model.matrices() {
-        found.extend(matrices.unusual().into_iter().map(|b| b.under("model")));
-    }
+/// What may be meant but is unusual beside the model, in the order of the file.
+fn unusual(design: &Design, solver: &HbSettings, requirements: &Requirements) -> Vec<BadSetting> {
     let of_inputs = design.unusual().into_iter();
-    found.extend(of_inputs.map(|bad| bad.under("inputs")));
-    found.extend(solver.unusual().map(|bad| bad.under("solver")));
-    found.extend(requirements.unusual());
-    found
+    let of_inputs = of_inputs.map(|bad| bad.under("inputs"));
+    let of_solver = solver.unusual().into_iter();
+    let of_solver = of_solver.map(|bad| bad.under("solver"));
+    of_inputs
+        .chain(of_solver)
+        .chain(requirements.unusual())
+        .collect()
 }
 
-/// The same of the `file` of `[design]`, which the study file `path` names.
+/// What may be meant but is unusual in the `file` of `[design]`, which the study file `path` names.
 fn unusual_in_file(path: &Path, file: &Path, design: &Design) -> Vec<String> {
     let file = before_name(path).join(file);
     let found = design.unusual_in_file().into_iter();

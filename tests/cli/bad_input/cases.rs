@@ -37,6 +37,11 @@ pub(crate) const REFUSED: &[Case] = &[
         &[":28: inputs.normal_stiffness = (given): must be absent without inputs.from"],
     ),
     (
+        "band_hz = [100, 200]",
+        "band_hz = [100, 200]\nvalues_hz = [150, 1e300]",
+        &[":38: frequency.values_hz[1] = 1e300: must be from 1e-6 to 1e9"],
+    ),
+    (
         "samples = 10",
         "samples = 0",
         &[":3: samples = 0: must be from 1"],

@@ -75,7 +75,7 @@ fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) -> Vec<f64> {
         let top = peak.amplitude(0);
         let width = half_width(&dense, top);
         let before = problem.effort.count();
-        let curve = response_curve(&balance, &peak.point(), band, settings.newton);
+        let curve = response_curve(&balance, &peak.point(), band, &settings);
         let count = problem.effort.count().since(before);
         if check_sweeps(&curve, &dense, [width, top]) {
             folded.push(found.level);
@@ -174,7 +174,7 @@ fn curves_of_sticking_contacts_are_cheap() {
     let steps = found.into_iter().map(|found| {
         let peak = found.solution.expect("a peak").point();
         let before = problem.effort.count();
-        let curve = response_curve(&balance, &peak, band, settings.newton);
+        let curve = response_curve(&balance, &peak, band, &settings);
         assert!(
             curve.sweeps.is_some(),
             "from one end of the band to the other"

@@ -128,7 +128,7 @@ fn the_stuck_rig_has_modal_damping() {
         let ratio = solution.damping_ratio().expect("moves");
         let modal = modal_ratio(&stiffness, &rig.reduced, solution.omega);
         let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
-        let curve = response_curve(&balance, &solution.point(), band, settings.newton);
+        let curve = response_curve(&balance, &solution.point(), band, &settings);
         let points: Vec<(f64, f64)> = curve
             .points
             .iter()

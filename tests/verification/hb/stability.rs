@@ -2,6 +2,7 @@
 //!
 //! `disturbed` gives the tests that compare with time integration; `relations` holds what multipliers obey by themselves.
 
+mod curve;
 mod disk;
 mod disturbed;
 mod relations;

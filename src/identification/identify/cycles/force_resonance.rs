@@ -58,7 +58,7 @@ pub(super) struct LoopResonance {
 }
 
 impl LoopResonance {
-    /// That which the force of a mean loop shows; none where it shows none that noise could not.
+    /// The resonance in the force of a mean loop; `None` where noise could look the same.
     pub(super) fn of(mean: &MeanLoop) -> Option<Self> {
         let n = mean.samples() as f64;
         let halves = halves(mean)?;

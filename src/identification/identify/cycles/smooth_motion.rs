@@ -217,7 +217,7 @@ impl<'r> SmoothMotion<'r> {
         both.map(|(u, f)| u - f).collect()
     }
 
-    /// The mean loop with what the phases outside of a twelfth tell of its displacement; as it is where these do not tell it.
+    /// The mean loop with its displacement fitted without one twelfth of the phases; unchanged if the fit fails.
     fn without(&self, mean: &MeanLoop, part: usize) -> MeanLoop {
         let n = mean.samples();
         // parts begin half of one before the reversal, so that it lies in their middle

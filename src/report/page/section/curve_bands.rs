@@ -4,7 +4,7 @@
 //! the curves then stand over the frequency divided by that of their own peak.
 
 use super::response_frame::{
-    FREQUENCY, add_linear_curves, amplitude_axis, largest_linear_amplitude, window,
+    FREQUENCY, add_linear_curves, amplitude_axis, largest_linear_amplitude, unstable, window,
 };
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use crate::page::axis::Axis;
@@ -290,9 +290,10 @@ fn band_panel(view: &View, i: usize, level: &LevelBands, top: f64) -> Figure {
     let nominal = view.input.record.nominal.as_ref();
     if let (Some(nominal), Some(resonance)) = (nominal, view.nominal(Shown::Frequency, i)) {
         let record = &nominal.levels[i];
-        let curve = view.curve(record.around.curve(), record.level).into_iter();
         let unit = window.unit(resonance);
+        let curve = view.curve(record.around.curve(), record.level).into_iter();
         panel.line("nominal", curve.map(|(f, a)| (f / unit, a)));
+        panel.crosses("plain", unstable(view, i).map(|(f, a)| (f / unit, a)));
     }
     add_readouts(view, &mut panel, *window, strips);
     let drawn = strips.iter().any(Option::is_some);

@@ -1,7 +1,7 @@
 //! Failures and error alerts: how many, and where they lie.
 
+use super::several_answers;
 use crate::ensemble::outcome::SampleOutcome;
-use crate::hb::stability::assessment::MARGIN;
 use crate::hb::{ContactFractions, PeakRoute, Status};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Section, Table};
@@ -11,7 +11,8 @@ use crate::page::thinning::thinned;
 use crate::report::assessment::InputFailures;
 use crate::report::numbers::error_budget::stated_truncation_error;
 use crate::report::numbers::peaks::usable_peak;
-use crate::report::page::statistic_cell::{percent_range, range_fields};
+use crate::report::numbers::stability::StabilityCounts;
+use crate::report::page::statistic_cell::{percent_cell, range_fields};
 use crate::report::page::view::View;
 use crate::statistics::{FailurePattern, Proportion, Sorted, histogram, hull};
 
@@ -26,13 +27,9 @@ pub(super) fn section(view: &View) -> Section {
         blocks.push(Block::pairs(figures));
     }
     blocks.extend(patterns(view));
-    blocks.extend([
-        truncation_table(view),
-        contact_table(view),
-        routes(view),
-        answers_table(view),
-        work_table(view),
-    ]);
+    blocks.extend([truncation_table(view), contact_table(view), routes(view)]);
+    blocks.extend(several_answers::blocks(view));
+    blocks.push(work_table(view));
     blocks.extend(stability(view).map(Block::Hint));
     blocks.push(Block::Hint(
         "Work balance: |input − viscous − frictional work| per cycle over the input work; it measures how well the \
@@ -56,16 +53,13 @@ pub(super) fn section(view: &View) -> Section {
 
 /// How many peaks were assessed for stability, and what was found; absent where none was.
 fn stability(view: &View) -> Option<String> {
-    // copies of a million peaks would take as much memory as the samples
-    let peaks = || (0..view.n_levels()).flat_map(|i| view.peaks(i));
-    let moduli = || peaks().filter_map(|(_, peak)| peak.multiplier_modulus());
-    let largest = moduli().reduce(f64::max)?;
-    let unstable = moduli().filter(|modulus| *modulus > 1.0 + MARGIN).count();
+    let levels = 0..view.n_levels();
+    let counts = levels.map(|i| StabilityCounts::of(view.input.outcomes, i));
+    let counts = counts.fold(StabilityCounts::default(), StabilityCounts::and);
     Some(format!(
-        "Stability: {} of {} peaks were assessed by their Floquet multipliers, {unstable} of them are unstable. The largest \
-         modulus of a multiplier is {largest:.4}.",
-        moduli().count(),
-        peaks().count(),
+        "Stability: {} of {} peaks were assessed by their Floquet multipliers, {} of them are unstable. The largest \
+         modulus of a multiplier is {:.4}.",
+        counts.assessed, counts.peaks, counts.unstable, counts.largest_multiplier?,
     ))
 }
 
@@ -322,10 +316,6 @@ fn truncation(view: &View) -> Option<Figure> {
     Some(view.figure(&panel, "truncation", caption))
 }
 
-fn share(value: Option<f64>) -> Cell {
-    Cell::number(value.map_or_else(|| DASH.to_owned(), percent), value)
-}
-
 fn truncation_table(view: &View) -> Block {
     let mut table = Table::of(
         "Truncation error and harmonics",
@@ -340,7 +330,7 @@ fn truncation_table(view: &View) -> Block {
     );
     for (i, level) in view.summary.levels.iter().enumerate() {
         let quantiles = &level.truncation_error.quantiles;
-        let error = |k: usize| share(quantiles.get(k).map(|q| q.estimate));
+        let error = |k: usize| percent_cell(quantiles.get(k).map(|q| q.estimate));
         let harmonics = level.highest_harmonics.iter();
         let used: Vec<String> = harmonics.map(|(h, n)| format!("{h} ({n})")).collect();
         let used = match used.is_empty() {
@@ -352,7 +342,7 @@ fn truncation_table(view: &View) -> Block {
             view.level_cell(i),
             error(1),
             error(2),
-            share(largest),
+            percent_cell(largest),
             Cell::text(used),
         ]);
     }
@@ -385,7 +375,7 @@ fn contact_table(view: &View) -> Block {
                 .collect(),
         };
         let range = |of: fn(&ContactFractions) -> f64| match hull(means.iter().map(of)) {
-            None => share(None).with_raw(view.nested().then_some(None)),
+            None => percent_cell(None).with_raw(view.nested().then_some(None)),
             Some([low, high]) => Cell::number(from_to([low, high], percent), Some(low))
                 .with_raw(view.nested().then_some(Some(high))),
         };
@@ -400,42 +390,6 @@ fn contact_table(view: &View) -> Block {
 }
 
 /// How many curves have several solutions at one frequency.
-fn answers_table(view: &View) -> Block {
-    let mut table = Table::of(
-        "Several answers: curves that fold over",
-        "several-answers",
-        &[
-            ("Level", &["level"]),
-            ("Curves through the band", &["curves"]),
-            ("Several solutions", &["several"]),
-            ("Share", &["share", "share_lower", "share_upper"]),
-            ("Widest range", &["widest_hz"]),
-            ("Lower over higher sweep, least", &["lowest_ratio"]),
-        ],
-    );
-    for (i, level) in view.summary.levels.iter().enumerate() {
-        let answers = &level.several_answers;
-        let count = |n: usize| Cell::number(n.to_string(), Some(n as f64));
-        let width = |v: f64| format!("{} Hz", significant(v));
-        let of_share = answers.share.as_ref();
-        let limits = |p: &Proportion| percent_range(p.lower, p.upper);
-        table.row(vec![
-            view.level_cell(i),
-            count(answers.curves),
-            count(answers.several),
-            share(of_share.map(|p| p.estimate))
-                .with_raw([of_share.map(|p| p.lower), of_share.map(|p| p.upper)])
-                .with_small(of_share.map_or_else(String::new, limits)),
-            Cell::number(
-                answers.widest_hz.map_or_else(|| DASH.to_owned(), width),
-                answers.widest_hz,
-            ),
-            share(answers.lowest_ratio),
-        ]);
-    }
-    table.block()
-}
-
 fn work_table(view: &View) -> Block {
     let mut table = Table::of(
         "Work per sample",

@@ -18,6 +18,7 @@ mod one_at_a_time;
 mod performance;
 mod response;
 mod response_frame;
+mod several_answers;
 mod stress;
 mod surrogate;
 mod verdict;

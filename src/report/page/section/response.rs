@@ -2,8 +2,11 @@
 
 use super::curve_bands::{bands, meaning};
 use super::response_frame::{
-    FREQUENCY, add_linear_curves, amplitude_axis, largest_linear_amplitude, window,
+    FREQUENCY, add_linear_curves, amplitude_axis, assessed, largest_linear_amplitude, unstable,
+    window,
 };
+use crate::ensemble::outcome::LevelOutcome;
+use crate::hb::Status;
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
 use crate::page::display::{hertz, significant};
@@ -36,6 +39,7 @@ pub(super) fn section(view: &View) -> Section {
             ]
         }
     };
+    let cross = shows_unstable(view).then(|| Key::new(Mark::Cross, "", "unstable"));
     let whole = Key::new(Mark::Line, "line wide grey", "95 % of whole curves");
     let mut first: Vec<Figure> = nominal_responses(view).into_iter().collect();
     first.push(cloud(view));
@@ -43,7 +47,7 @@ pub(super) fn section(view: &View) -> Section {
         id: "response",
         title: "Forced response".to_owned(),
         blocks: vec![
-            view.level_legend(linear().into_iter().chain(ring)),
+            view.level_legend(linear().into_iter().chain(ring).chain(cross.clone())),
             Block::pairs(first),
             Block::Heading("Scatter of the response, level by level".to_owned()),
             Block::Legend(
@@ -51,6 +55,7 @@ pub(super) fn section(view: &View) -> Section {
                     .into_iter()
                     .chain([whole])
                     .chain(line)
+                    .chain(cross)
                     .chain(linear())
                     .collect(),
             ),
@@ -74,6 +79,7 @@ fn nominal_responses(view: &View) -> Option<Figure> {
     for (i, record) in nominal.levels.iter().enumerate() {
         let curve = view.curve(record.around.curve(), record.level);
         panel.line(&format!("level l{i}"), curve.into_iter());
+        panel.crosses(&format!("l{i}"), unstable(view, i));
         let peak = Shown::ALL.map(|shown| view.nominal(shown, i));
         if let [Some(x), Some(y)] = peak {
             panel.mark(i, (x, y));
@@ -86,7 +92,33 @@ fn nominal_responses(view: &View) -> Option<Figure> {
         }
     }
     panel.labels(&labels);
-    Some(view.figure(&panel, "nominal-response", ""))
+    Some(view.figure(&panel, "nominal-response", stability_of_curves(view)))
+}
+
+fn is_unstable(level: &LevelOutcome) -> bool {
+    level.status == Status::Unstable
+}
+
+/// Whether a peak or a solution of a nominal curve is unstable.
+fn shows_unstable(view: &View) -> bool {
+    let mut levels = view.input.outcomes.iter().flat_map(|o| &o.levels);
+    let mut curves = (0..view.n_levels()).flat_map(|i| unstable(view, i));
+    levels.any(is_unstable) || curves.next().is_some()
+}
+
+/// At how many solutions of the nominal curves stability was assessed, in words; empty without any.
+fn stability_of_curves(view: &View) -> String {
+    let assessed: Vec<bool> = (0..view.n_levels())
+        .flat_map(|i| assessed(view, i))
+        .map(|(_, unstable)| unstable)
+        .collect();
+    let n_unstable = assessed.iter().filter(|unstable| **unstable).count();
+    match assessed.len() {
+        0 => String::new(),
+        n => format!(
+            "Stability was assessed at {n} solutions along these curves; {n_unstable} of them are unstable. Between two solutions it may be another."
+        ),
+    }
 }
 
 /// All peaks: amplitude per force over frequency, coloured by level.
@@ -99,6 +131,11 @@ fn cloud(view: &View) -> Figure {
     for i in 0..view.n_levels() {
         let points = view.values(frequency, i).zip(view.values(amplitude, i));
         panel.dots(i, thinned(points.collect()).into_iter());
+        let unstable = view.peaks(i).filter(|(o, _)| is_unstable(&o.levels[i]));
+        let places = unstable.map(|(_, peak)| {
+            Shown::ALL.map(|shown| view.value(shown, view.input.record.levels[i], &peak))
+        });
+        panel.crosses(&format!("l{i}"), places.map(|[x, y]| (x, y)));
     }
     let mut labels = Vec::new();
     for i in 0..view.n_levels() {

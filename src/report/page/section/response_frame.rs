@@ -49,3 +49,21 @@ pub(super) fn largest_linear_amplitude(view: &View) -> f64 {
     let limits = [&record.free, &record.stuck].map(|linear| view.largest(&linear.curve, 1.0));
     limits.into_iter().flatten().fold(0.0, f64::max)
 }
+
+/// Solutions of the nominal curve of level `i` whose stability was assessed, as [`View::curve`] has them, with whether they are unstable.
+pub(super) fn assessed(view: &View, i: usize) -> Vec<((f64, f64), bool)> {
+    let nominal = view.input.record.nominal.iter();
+    let points = nominal.flat_map(|nominal| {
+        let level = &nominal.levels[i];
+        let places = view.curve(level.around.curve(), level.level);
+        places.into_iter().zip(level.around.curve())
+    });
+    let judged = points.filter_map(|(place, point)| Some((place, point.unstable?)));
+    judged.collect()
+}
+
+/// Those that are unstable.
+pub(super) fn unstable(view: &View, i: usize) -> impl Iterator<Item = (f64, f64)> + use<> {
+    let assessed = assessed(view, i).into_iter();
+    assessed.filter_map(|(place, unstable)| unstable.then_some(place))
+}

@@ -1,7 +1,7 @@
 //! The first section: what must be known before any number is used, and the numbers that matter most.
 
 use super::decision;
-use crate::ensemble::outcome::OtherMaximum;
+use crate::ensemble::outcome::Maximum;
 use crate::hb::Status;
 use crate::page::block::{Block, Cell, Section, Table, Verdict};
 use crate::page::display::{DASH, duration, hertz, percent, significant};
@@ -334,7 +334,7 @@ fn lower_maxima_notice(view: &View, i: usize) -> Option<String> {
         .filter_map(|sample| {
             let level = &sample.levels[i];
             let highest = usable_peak(level)?.amplitude_m;
-            let crossed = |of: &&OtherMaximum| smallest_margin(of.frequency_hz, operation) == 0.0;
+            let crossed = |of: &&Maximum| smallest_margin(of.frequency_hz, operation) == 0.0;
             let crossed = level.around.others().iter().filter(crossed);
             crossed.map(|of| of.amplitude_m / highest).reduce(f64::max)
         })

@@ -88,6 +88,7 @@ impl CurveCursor {
             record.around.curve_mut().push(CurvePoint {
                 frequency_hz: number(&batch.frequency, at),
                 amplitude_m: number(&batch.amplitude, at),
+                unstable: None,
             });
             Ok(())
         });

@@ -5,8 +5,8 @@ use super::samples::{
     SWEEP_COLUMNS,
 };
 use crate::ensemble::outcome::{
-    AroundPeak, CurvePoint, FollowedModes, LevelOutcome, MistunedRecord, ModeOfMaximum,
-    OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    AroundPeak, FollowedModes, LevelOutcome, Maximum, MistunedRecord, ModeOfMaximum, PeakRecord,
+    SampleOutcome, SweepRecord,
 };
 use crate::ensemble::table::{
     RowCursor, Rows, TableReader, missing, number, optional, real, whole,
@@ -241,13 +241,13 @@ impl SampleBatch {
         })
     }
 
-    fn others(&self, at: usize) -> Result<Vec<OtherMaximum>, Fault> {
+    fn others(&self, at: usize) -> Result<Vec<Maximum>, Fault> {
         let [(frequencies, _), (amplitudes, _)] = OTHER_COLUMNS;
         let [of_frequency, of_amplitude] = &self.others;
         let frequency_hz = list::<Float64Type>(of_frequency, at, frequencies)?;
         let amplitude_m = list::<Float64Type>(of_amplitude, at, amplitudes)?;
         let places = frequency_hz.into_iter().zip(amplitude_m);
-        let others = places.map(|(frequency_hz, amplitude_m)| OtherMaximum {
+        let others = places.map(|(frequency_hz, amplitude_m)| Maximum {
             frequency_hz,
             amplitude_m,
         });
@@ -270,7 +270,7 @@ impl SampleBatch {
     fn sweeps(&self, at: usize) -> Option<SweepRecord> {
         let number = |i: usize| optional(self.sweeps[i].as_ref()?, at);
         let point = |i: usize| {
-            Some(CurvePoint {
+            Some(Maximum {
                 frequency_hz: number(i)?,
                 amplitude_m: number(i + 1)?,
             })

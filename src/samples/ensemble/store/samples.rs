@@ -6,8 +6,8 @@
 use super::provenance::Provenance;
 use crate::ensemble::columns::SAMPLE_COLUMNS;
 use crate::ensemble::outcome::{
-    FollowedModes, LevelOutcome, MistunedRecord, ModeOfMaximum, OtherMaximum, PeakRecord,
-    SampleOutcome, SweepRecord,
+    FollowedModes, LevelOutcome, Maximum, MistunedRecord, ModeOfMaximum, PeakRecord, SampleOutcome,
+    SweepRecord,
 };
 use crate::ensemble::table::{Column, Table, TableError, TableLayout, TableWriter, count};
 use crate::file::{FileError, FileRecord};
@@ -27,7 +27,7 @@ pub(super) const GROUP_COLUMNS: [GroupColumn; 3] = [
 ];
 
 /// Columns of the lower maxima: lists, highest maximum first.
-type OtherColumn = (&'static str, fn(&OtherMaximum) -> f64);
+type OtherColumn = (&'static str, fn(&Maximum) -> f64);
 pub(super) const OTHER_COLUMNS: [OtherColumn; 2] = [
     ("other_frequencies_hz", |other| other.frequency_hz),
     ("other_amplitudes_m", |other| other.amplitude_m),

@@ -33,7 +33,7 @@ impl<'p> BranchPoint<'p> {
 
     /// The same with an inner product that is given.
     #[must_use]
-    pub fn in_metric(balance: &Balance<'p>, iterate: Iterate<'p>, metric: Metric) -> Self {
+    pub(crate) fn in_metric(balance: &Balance<'p>, iterate: Iterate<'p>, metric: Metric) -> Self {
         let jacobian = iterate.jacobian(balance);
         let mut tangent = Direction {
             r: iterate.frequency_rate(balance, &jacobian),
@@ -66,7 +66,7 @@ impl<'p> BranchPoint<'p> {
 
     /// d arg ŷ / ds.
     #[must_use]
-    pub fn phase_rate(&self) -> f64 {
+    pub(crate) fn phase_rate(&self) -> f64 {
         (self.response.conj() * self.response_rate).im / self.response.norm_sqr()
     }
 
@@ -114,13 +114,13 @@ impl<'p> BranchPoint<'p> {
 
     /// The length `length`, in the metric of this point, as a length in the metric of `other`.
     #[must_use]
-    pub fn length_at(&self, other: &Self, length: f64) -> f64 {
+    pub(crate) fn length_at(&self, other: &Self, length: f64) -> f64 {
         length / self.metric.length(&other.tangent)
     }
 
     /// The same point with the tangent less than 90° from `previous`.
     #[must_use]
-    pub fn following(self, previous: &Direction) -> Self {
+    pub(crate) fn following(self, previous: &Direction) -> Self {
         match self.metric.dot(previous, &self.tangent) < 0.0 {
             true => self.reversed(),
             false => self,

@@ -40,7 +40,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
 
     /// Whether the segment has a fold past which the frequency turns back, in a sweep in the direction `sign`.
     #[must_use]
-    pub fn turns_back(&self, sign: f64) -> bool {
+    pub(crate) fn turns_back(&self, sign: f64) -> bool {
         sign * self.from.tangent.omega > 0.0 && sign * self.to.tangent.omega < 0.0
     }
 

@@ -43,7 +43,7 @@ pub enum Predictor {
 impl StepSettings {
     /// Steps for a band of the width `band` (rad/s).
     #[must_use]
-    pub fn for_band(band: f64) -> Self {
+    pub(crate) fn for_band(band: f64) -> Self {
         Self {
             first: 0.05,
             largest: 0.4,
@@ -146,7 +146,7 @@ pub struct ContinuationEnd<'p> {
 /// step in the metric of the point before. It says whether to go on, and how long the next step may be.
 ///
 /// A stalled continuation ends with [`Status::StepTooSmall`], as one whose steps become too small.
-pub fn continue_branch<'p>(
+pub(crate) fn continue_branch<'p>(
     balance: &Balance<'p>,
     start: BranchPoint<'p>,
     newton: NewtonSettings,
@@ -382,7 +382,7 @@ fn of_failed_step(status: Status) -> Status {
 }
 
 /// Continues with steps of any length, or ends the continuation.
-pub fn on_if(go_on: bool) -> ControlFlow<(), f64> {
+pub(crate) fn on_if(go_on: bool) -> ControlFlow<(), f64> {
     match go_on {
         true => ControlFlow::Continue(f64::INFINITY),
         false => ControlFlow::Break(()),

@@ -65,7 +65,7 @@ impl SweepDirection {
 
     /// The other direction.
     #[must_use]
-    pub fn opposite(self) -> Self {
+    pub(crate) fn opposite(self) -> Self {
         match self {
             Self::Upward => Self::Downward,
             Self::Downward => Self::Upward,

@@ -71,7 +71,7 @@ impl Effort {
     }
 
     /// Runs a search within another search: `search` may take `iterations`, which are not taken from those of the other.
-    pub fn with_own_budget<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
+    pub(crate) fn with_own_budget<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
         let left = self.left.swap(iterations, Ordering::Relaxed);
         let found = search();
         self.left.store(left, Ordering::Relaxed);
@@ -80,7 +80,7 @@ impl Effort {
 
     /// Whether the search must end with [`crate::hb::Status::BudgetSpent`].
     #[must_use]
-    pub fn is_spent(&self) -> bool {
+    pub(crate) fn is_spent(&self) -> bool {
         self.left.load(Ordering::Relaxed) == 0
     }
 

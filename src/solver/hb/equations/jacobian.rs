@@ -128,7 +128,7 @@ impl Jacobian {
 
     /// x = J⁻¹ b for each b. Krylov solves of several right-hand sides together take less time than one after the other.
     #[must_use]
-    pub fn solve_all<const K: usize>(&self, b: [&[f64]; K]) -> [Vec<f64>; K] {
+    pub(crate) fn solve_all<const K: usize>(&self, b: [&[f64]; K]) -> [Vec<f64>; K] {
         if let Solver::Krylov(krylov) = &self.solver {
             let y = b.map(|b| self.capacitance.eliminated(b).1);
             krylov.explore(&y.each_ref().map(Vec::as_slice));

@@ -122,7 +122,7 @@ impl<'m> Problem<'m> {
 
     /// The same problem with the response of this number as the one that defines resonance, and no work yet.
     #[must_use]
-    pub fn with_resonance_response(&self, number: usize) -> Self {
+    pub(crate) fn with_resonance_response(&self, number: usize) -> Self {
         Self {
             model: self.model,
             contacts: self.contacts.clone(),
@@ -137,13 +137,13 @@ impl<'m> Problem<'m> {
     /// Displacement (m) that residuals are divided by at an excitation level. It does not depend on the unknowns: else a point
     /// with very large displacements would count as converged.
     #[must_use]
-    pub fn displacement_scale(&self, level: f64) -> f64 {
+    pub(crate) fn displacement_scale(&self, level: f64) -> f64 {
         largest(&self.stuck_static.preloaded) + level * self.stuck_static.excitation_scale
     }
 
     /// Smallest relative residual that round-off allows: the static load may be large where preloads balance it.
     #[must_use]
-    pub fn round_off(&self, level: f64) -> f64 {
+    pub(crate) fn round_off(&self, level: f64) -> f64 {
         ROUND_OFF * largest(&self.stuck_static.relative) / self.displacement_scale(level)
     }
 }

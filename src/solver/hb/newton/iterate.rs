@@ -124,7 +124,7 @@ impl<'p> Iterate<'p> {
 
     /// dr/dlevel (m per unit level) along solutions of a fixed frequency: −J⁻¹ ∂R/∂level.
     #[must_use]
-    pub fn level_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian) -> Vec<f64> {
+    pub(crate) fn level_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian) -> Vec<f64> {
         negated(&jacobian.solve(&balance.level_slope(&self.compliance)))
     }
 

@@ -34,7 +34,7 @@ impl<'p> Ladder<'p> {
 
     /// The problem on every rung, fewest harmonics first.
     #[must_use]
-    pub fn rungs(&self) -> &[Balance<'p>] {
+    pub(crate) fn rungs(&self) -> &[Balance<'p>] {
         &self.rungs
     }
 
@@ -55,7 +55,7 @@ impl<'p> Ladder<'p> {
 ///
 /// # Errors
 /// The status of the rung that failed.
-pub fn climb<'p>(
+pub(crate) fn climb<'p>(
     rungs: &[Balance<'p>],
     start: Point,
     condition: Condition<'_>,

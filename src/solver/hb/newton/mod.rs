@@ -10,4 +10,5 @@ mod solve;
 
 pub use iterate::Iterate;
 pub use point::{Direction, Metric, Point};
-pub use solve::{Condition, newton_step, polish, solve};
+pub(crate) use solve::polish;
+pub use solve::{Condition, newton_step, solve};

@@ -28,7 +28,7 @@ impl Point {
 
     /// The point with the frequency `omega` (rad/s) on the straight line to `other`, or beyond it; at the level of this point.
     #[must_use]
-    pub fn at_frequency(&self, other: &Self, omega: f64) -> Self {
+    pub(crate) fn at_frequency(&self, other: &Self, omega: f64) -> Self {
         let line = Direction::between(self, other);
         let share = (omega - self.omega) / line.omega;
         Self {
@@ -50,7 +50,7 @@ impl Point {
 
     /// Largest change of a dynamic displacement by a step over the largest dynamic displacement.
     #[must_use]
-    pub fn relative_step(&self, balance: &Balance<'_>, step: &Direction) -> f64 {
+    pub(crate) fn relative_step(&self, balance: &Balance<'_>, step: &Direction) -> f64 {
         let n = balance.layout.n_relative();
         let [moved, largest] =
             [&step.r, &self.r].map(|x| x[n..].iter().map(|x| x.abs()).fold(0.0, f64::max));
@@ -63,7 +63,7 @@ impl Point {
     /// Largest dynamic displacement over the scale of the residual: a small excitation moves the contacts little
     /// compared with what the static load does.
     #[must_use]
-    pub fn dynamic_share(&self, balance: &Balance<'_>) -> f64 {
+    pub(crate) fn dynamic_share(&self, balance: &Balance<'_>) -> f64 {
         let dynamic = &self.r[balance.layout.n_relative()..];
         let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
         largest / balance.problem.displacement_scale(self.level)
@@ -129,7 +129,7 @@ impl Metric {
 
     /// Change of frequency that counts as much as a relative change of 1 of the displacements (rad/s).
     #[must_use]
-    pub fn omega_scale(&self) -> f64 {
+    pub(crate) fn omega_scale(&self) -> f64 {
         self.frequency.sqrt().recip()
     }
 

@@ -116,7 +116,7 @@ pub fn solve<'p>(
 /// Newton steps at the fixed frequency of a solved iterate for as long as each at least halves the residual: to
 /// round-off, whatever the tolerance of the solve was.
 #[must_use]
-pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> Iterate<'p> {
+pub(crate) fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> Iterate<'p> {
     let mut iterate = solved;
     loop {
         let jacobian = iterate.jacobian(balance);

@@ -179,7 +179,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
 
     /// Estimate by one Newton step from `solution` on set `i` onto twice its harmonics, under `condition`.
     #[must_use]
-    pub fn estimate_by_step(
+    pub(crate) fn estimate_by_step(
         &self,
         i: usize,
         solution: &Iterate<'_>,
@@ -221,7 +221,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     /// Estimate of the error of `solution` on set `i` by a solve on twice its harmonics and, if these would accept it but are
     /// too few to do so, by a second one on as many as the settings ask for.
     #[must_use]
-    pub fn estimate_by_solve(
+    pub(crate) fn estimate_by_solve(
         &self,
         i: usize,
         solution: &Iterate<'_>,
@@ -335,13 +335,13 @@ impl<'s, 'p> AlertSets<'s, 'p> {
 
     /// Whether an estimated error is not above the threshold.
     #[must_use]
-    pub fn is_accepted(&self, error: f64) -> bool {
+    pub(crate) fn is_accepted(&self, error: f64) -> bool {
         self.alert.accepts(error)
     }
 
     /// The solution with its stated truncation error, if that is known, and with the status that follows from the error.
     #[must_use]
-    pub fn with_error(&self, mut solution: Solution, error: f64) -> Solution {
+    pub(crate) fn with_error(&self, mut solution: Solution, error: f64) -> Solution {
         if solution.status == Status::Converged && !self.is_accepted(error) {
             solution.status = Status::TruncationAboveThreshold;
         }

@@ -109,9 +109,9 @@ impl ModeShapes {
     }
 }
 
-/// The places of the modes of all maxima of one level. A maximum has the nearest mode. Where others are as near, it has the lowest one of
-/// these that no other maximum has; but of several such maxima those with a clearer shape take their nearest mode first. Shape:
-/// `correlations[maxima][modes]`.
+/// The places of the modes of all maxima of one level. A maximum has its nearest mode. If several modes are about as near, it has the
+/// lowest of them that no other maximum has. Of several such maxima the one with the clearest shape chooses first, and takes its nearest
+/// mode. Shape: `correlations[maxima][modes]`.
 fn chosen(correlations: &[Vec<f64>]) -> Vec<Option<usize>> {
     let largest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
     let near = |all: &Vec<f64>| -> Vec<usize> {

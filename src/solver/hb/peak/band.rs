@@ -97,8 +97,8 @@ impl<'p> BandSweep<'_, 'p> {
         &self.rungs[self.rungs.len() - 1]
     }
 
-    /// The highest maximum that the upward sweep passes, or else the downward one. Two sweeps that stop within the band have passed the
-    /// whole of it together if one of them stops at a solution that the other has passed, or at which it stops, too.
+    /// The highest maximum that the upward sweep passes, or else the downward one. Two sweeps that stop within the band cover all of
+    /// it together if one of them stops at a solution that the other has reached.
     ///
     /// # Errors
     /// As of [`swept_maximum`].

@@ -32,8 +32,8 @@ const BUDGET: usize = 3000;
 /// The highest maximum on the branch through the maximum `found`, with as many harmonics as the alert asks for, if it is higher; and the
 /// work. The branch is that on the harmonics of the study.
 ///
-/// None where all contacts stick at `found`, whose response is linear. Of a branch that cannot be followed to the end of the band that part
-/// counts which can; beside it counts the branch that comes from the end of the band, unless `found` is on that one.
+/// None where all contacts stick at `found`, whose response is linear. Where the branch cannot be followed to the end of the band, the part
+/// that is known counts. The branch that begins at that end of the band is searched, too, unless `found` lies on it.
 pub fn higher_on_branch(
     problem: &Problem<'_>,
     settings: &HbSettings,

@@ -13,7 +13,7 @@ use crate::hb::status::Status;
 use crate::hb::structure::resonance::Candidate;
 
 /// A mode is searched if its reach is at least this part of the highest maximum found so far.
-pub const COMPETES: f64 = 0.5;
+pub(crate) const COMPETES: f64 = 0.5;
 /// A higher maximum on the branch through that of mode m counts as one of the mode m plus this number, which the structure has not got.
 pub const ON_BRANCH: usize = 1 << 16;
 /// Two solutions are the same maximum up to these relative distances of frequency and amplitude.
@@ -86,9 +86,9 @@ pub fn search_maxima<E>(
     Ok(maxima)
 }
 
-/// Adds to `maxima` the higher ones on the branches through the highest that were found, unless one mode is wanted. `along` gives such a
-/// maximum on the branch through one, and its work. It is asked where the highest was not predicted from other samples, whose branches were
-/// looked along; and where a prediction of such a maximum was `lost`. Shape of `lost`: as `maxima`.
+/// Looks along the branch through the highest maximum of each level for a higher one, and adds it to `maxima`. `along` gives such a maximum
+/// and its work. It is asked where the highest maximum was not predicted from other samples, whose branches were followed already, and
+/// where a prediction on the branch was `lost` (shape: as `maxima`). Where one mode is wanted nothing is looked for.
 pub fn add_higher_on_branches(
     maxima: &mut [Maxima],
     choice: PeakChoice,

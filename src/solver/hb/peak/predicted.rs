@@ -47,7 +47,11 @@ impl PeakPrediction {
 
     /// The peak on the harmonics of `to`, if it is at `peak` on those of `from`.
     #[must_use]
-    pub fn on_other_harmonics(from: &Balance<'_>, peak: &Located<'_>, to: &Balance<'_>) -> Self {
+    pub(crate) fn on_other_harmonics(
+        from: &Balance<'_>,
+        peak: &Located<'_>,
+        to: &Balance<'_>,
+    ) -> Self {
         let point = peak.iterate.point.padded(from, to);
         Self::new(point, peak.iterate.response(from), peak.sharpness)
     }

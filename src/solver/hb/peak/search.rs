@@ -146,7 +146,7 @@ pub fn find_peak<'p>(
 }
 
 /// The maximum of the amplitude on a segment of the branch, if there is one and it can be located.
-pub fn maximum_on<'p>(
+pub(crate) fn maximum_on<'p>(
     segment: &BranchSegment<'_, 'p>,
     balance: &Balance<'p>,
     settings: PeakSettings,
@@ -174,7 +174,7 @@ pub fn maximum_on<'p>(
 ///
 /// If changes of the contact states are placed at time points the amplitude is ragged: there are maxima side by side, and
 /// each is an exact maximum of the discretised equations. Searches from both sides look for a higher one.
-pub fn highest_nearby<'p>(
+pub(crate) fn highest_nearby<'p>(
     balance: &Balance<'p>,
     found: Located<'p>,
     settings: PeakSettings,
@@ -220,7 +220,7 @@ pub fn highest_on_both_sides<'p>(
 /// A maximum next to the maximum `found` whose amplitude is more than `least` times that of `found`, the higher one of both sides. A start
 /// close to `found` may lead back to it; then one farther away is taken, `n_starts` at most. Where the amplitude is one parabola there is
 /// no other maximum, and nothing is searched.
-pub fn higher_on_both_sides<'p>(
+pub(crate) fn higher_on_both_sides<'p>(
     balance: &Balance<'p>,
     found: &Iterate<'p>,
     least: f64,
@@ -285,7 +285,7 @@ fn beside<'a, 'p>(
 ///
 /// Where a contact begins or ends to slip or to lift off in a period, the slope of the amplitude may jump. At a flat maximum a small
 /// jump is enough for two maxima side by side, and which of them a search meets depends on its start.
-pub fn highest_beside<'p>(
+pub(crate) fn highest_beside<'p>(
     balance: &Balance<'p>,
     found: Located<'p>,
     settings: PeakSettings,

@@ -9,26 +9,14 @@
 //! Where every contact sticks or is open over the whole period, its dynamic force is linear in the displacements. Then the harmonics
 //! above the first vanish, the branch has no folds, and its solutions are found at frequencies of choice on harmonics 0 and 1 alone.
 
-use super::cubic_segment::{ComplexScales, CubicSegment};
+use super::curve_side::CurveSide;
+pub use super::curve_side::{CURVE_ERROR, CurvePoint};
 use crate::harmonics::HarmonicSet;
-use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::branch::branch_segment::CLOSE;
-use crate::hb::branch::continuation::{StepSettings, continue_branch};
 use crate::hb::branch::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Condition, Iterate, Point, solve};
-use crate::hb::settings::NewtonSettings;
+use crate::hb::newton::{Iterate, Point};
+use crate::hb::settings::{HbSettings, NewtonSettings};
 use crate::hb::structure::resonance::Band;
-use std::ops::ControlFlow;
-
-/// A point of the curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvePoint {
-    /// Excitation frequency (rad/s).
-    pub omega: f64,
-    /// Amplitude |ŷ| of the response that defines resonance (m).
-    pub amplitude: f64,
-}
 
 /// The forced response through a peak.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -55,52 +43,37 @@ pub struct Sweeps {
     pub several: Option<[f64; 2]>,
 }
 
-/// Largest distance between the curve and the solutions, over the amplitude of the peak; along the frequency axis over the
-/// half-power half-width of an oscillator with the phase rate of the peak.
-pub const CURVE_ERROR: f64 = 3e-3;
-
-/// First, shortest and largest relative change of the displacements per step. Shorter steps would resolve the kinks where
-/// pairs begin to slip or lift off; the rounds of halving do that at less cost.
-const STEPS: [f64; 3] = [0.4, 0.1, 2.0];
-/// Most steps of the continuation per side.
-const MOST_STEPS: usize = 60;
-/// Rounds in which solutions are added between those of the continuation.
-const MOST_ROUNDS: usize = 4;
-/// Estimated error that the step control aims at, and estimated error above which solutions are added. Kinks make the
-/// estimate too low, by a factor of two at most where it was checked.
-const ESTIMATES: [f64; 2] = [0.1 * CURVE_ERROR, CURVE_ERROR / 3.0];
-/// Where contacts are linear: first and longest step over the half-width of the peak, and longest step over the band.
-const LINEAR_STEPS: [f64; 3] = [0.3, 4.0, 0.125];
-/// Range of the length of such a step over that of the step before.
-const LINEAR_GROWTH: [f64; 2] = [0.5, 2.0];
 /// Deviation of a dynamic contact force from that of a contact that sticks or is open, over the largest one, below which it is linear.
 const LINEAR_FORCE: f64 = 1e-6;
 /// Residual over the largest dynamic displacement at the peak. That is enough for a plot; the peak itself is solved to the
 /// study's tolerance.
 const TOLERANCE: f64 = 1e-4;
 
-/// The forced response through `peak` inside `band`. Where the continuation fails the curve ends.
+/// The forced response through `peak` inside `band`, with the Newton settings of `settings` and the stability that these ask for.
+/// Where the continuation fails the curve ends.
 #[must_use]
 pub fn response_curve(
     balance: &Balance<'_>,
     peak: &Point,
     band: Band,
-    newton: NewtonSettings,
+    settings: &HbSettings,
 ) -> ResponseCurve {
     let newton = NewtonSettings {
-        tolerance: newton
-            .tolerance
+        tolerance: (settings.newton.tolerance)
             .max(TOLERANCE * peak.dynamic_share(balance).min(1.0)),
-        ..newton
+        ..settings.newton
     };
-    let linear = linear_sides(balance, peak, band, newton);
-    let [(below, width), (above, _)] = linear.unwrap_or_else(|| {
+    let few = balance.on(HarmonicSet::up_to(1));
+    let linear = linear_sides([balance, &few], peak, band, newton);
+    let sides = linear.unwrap_or_else(|| {
         [SweepDirection::Downward, SweepDirection::Upward].map(|direction| {
             let mut side = CurveSide::outwards(balance, peak, direction, band, newton);
             side.refine();
-            (side.branch(), side.scales.width)
+            side
         })
     });
+    let width = sides[0].scales.width;
+    let [below, above] = sides.map(|side| side.branch(settings));
     let side = |side: &[CurvePoint], direction| {
         let mut points = met(side.iter().copied(), direction, band);
         // of a jump the fold
@@ -120,23 +93,22 @@ pub fn response_curve(
     }
 }
 
-/// Both sides of a peak on harmonics 0 and 1 with the half-width (rad/s); none where a contact force is not linear.
-fn linear_sides(
-    balance: &Balance<'_>,
+/// Both sides of a peak of `balance` on harmonics 0 and 1, those of `few`; none where a contact force is not linear.
+fn linear_sides<'b, 'p>(
+    [balance, few]: [&'b Balance<'p>; 2],
     peak: &Point,
     band: Band,
     newton: NewtonSettings,
-) -> Option<[(Vec<CurvePoint>, f64); 2]> {
+) -> Option<[CurveSide<'b, 'p>; 2]> {
     if !is_linear(balance, &Iterate::new(balance, peak.clone())) {
         return None;
     }
-    let few = balance.on(HarmonicSet::up_to(1));
-    let peak = peak.padded(balance, &few);
+    let peak = peak.padded(balance, few);
     let side = |direction| {
-        let mut side = CurveSide::linear(&few, &peak, direction, band, newton)?;
+        let mut side = CurveSide::linear(few, &peak, direction, band, newton)?;
         side.refine();
-        let all = side.points.iter().all(|p| is_linear(&few, &p.iterate));
-        all.then(|| (side.branch(), side.scales.width))
+        let all = side.points.iter().all(|p| is_linear(few, &p.iterate));
+        all.then_some(side)
     };
     Some([
         side(SweepDirection::Downward)?,
@@ -188,6 +160,7 @@ fn landing(omega: f64, from: CurvePoint, to: CurvePoint) -> CurvePoint {
     CurvePoint {
         omega,
         amplitude: from.amplitude + share * (to.amplitude - from.amplitude),
+        unstable: None,
     }
 }
 
@@ -224,203 +197,6 @@ fn sweeps(branch: &[CurvePoint], band: Band, resolution: f64) -> Option<Sweeps> 
     })
 }
 
-/// The solutions on one side of the peak, in the order of the continuation.
-struct CurveSide<'b, 'p> {
-    balance: &'b Balance<'p>,
-    newton: NewtonSettings,
-    omega_scale: f64,
-    scales: ComplexScales,
-    points: Vec<BranchPoint<'p>>,
-    /// Lengths of the steps between the points. Shape: `[points - 1]`.
-    lengths: Vec<f64>,
-    /// Whether contacts are linear: then solutions are at frequencies of choice.
-    linear: bool,
-}
-
-impl<'b, 'p> CurveSide<'b, 'p> {
-    /// Follows the branch from the peak to the end of the band. The error of each segment decides the length of the next step.
-    fn outwards(
-        balance: &'b Balance<'p>,
-        peak: &Point,
-        direction: SweepDirection,
-        band: Band,
-        newton: NewtonSettings,
-    ) -> Self {
-        let steps = StepSettings {
-            first: STEPS[0],
-            largest: STEPS[2],
-            max_steps: MOST_STEPS,
-            closeness: CLOSE,
-            ..StepSettings::for_band(band.width())
-        };
-        let omega_scale = steps.omega_scale;
-        let iterate = Iterate::new(balance, peak.clone());
-        let start = BranchPoint::new(balance, iterate, omega_scale);
-        let scales = ComplexScales::of(&start, band);
-        let start = start.towards(direction.sign());
-        let (mut points, mut lengths) = (Vec::new(), Vec::new());
-        let mut before: Option<CubicSegment> = None;
-        let end = continue_branch(balance, start, newton, steps, |from, to, length| {
-            let mut longest = f64::INFINITY;
-            if let Some(segment) = &before {
-                let share = segment.error(&scales, length, to) / ESTIMATES[0];
-                longest = f64::max(segment.length / share.sqrt().sqrt(), STEPS[1]);
-            }
-            before = Some(CubicSegment::new(&from, to, length));
-            points.push(from);
-            lengths.push(length);
-            match band.contains(to.iterate.point.omega) {
-                true => ControlFlow::Continue(longest),
-                false => ControlFlow::Break(()),
-            }
-        });
-        points.push(end.last);
-        Self {
-            balance,
-            newton,
-            omega_scale,
-            scales,
-            points,
-            lengths,
-            linear: false,
-        }
-    }
-
-    /// The same by solutions at frequencies of choice, where contacts are linear; none where they are not.
-    fn linear(
-        balance: &'b Balance<'p>,
-        peak: &Point,
-        direction: SweepDirection,
-        band: Band,
-        newton: NewtonSettings,
-    ) -> Option<Self> {
-        let omega_scale = StepSettings::for_band(band.width()).omega_scale;
-        let sign = direction.sign();
-        let iterate = Iterate::new(balance, peak.clone());
-        let start = BranchPoint::new(balance, iterate, omega_scale).towards(sign);
-        let scales = ComplexScales::of(&start, band);
-        let mut side = Self {
-            balance,
-            newton,
-            omega_scale,
-            scales,
-            points: vec![start],
-            lengths: Vec::new(),
-            linear: true,
-        };
-        let longest = f64::min(
-            LINEAR_STEPS[1] * scales.width,
-            LINEAR_STEPS[2] * band.width(),
-        );
-        let mut step = f64::min(LINEAR_STEPS[0] * scales.width, longest);
-        for i in 0..MOST_STEPS {
-            let omega = side.points[i].iterate.point.omega;
-            if !band.contains(omega) {
-                return Some(side);
-            }
-            let next = side.at(i, omega + sign * step)?;
-            let mut growth = LINEAR_GROWTH[1];
-            if let Some(before) = i.checked_sub(1) {
-                let share = side.segment(before).error(&scales, 1.0, &next) / ESTIMATES[0];
-                growth = share.sqrt().sqrt().recip();
-            }
-            step = (step * growth.clamp(LINEAR_GROWTH[0], LINEAR_GROWTH[1])).min(longest);
-            side.points.push(next);
-            side.lengths.push(1.0);
-        }
-        None
-    }
-
-    /// The solution at `omega` (rad/s) next to solution i, where contacts are linear.
-    fn at(&self, i: usize, omega: f64) -> Option<BranchPoint<'p>> {
-        let from = &self.points[i];
-        let point = Point {
-            omega,
-            ..from.iterate.point.clone()
-        };
-        let solved = solve(self.balance, point, Condition::FixedFrequency, self.newton).ok()?;
-        let found = BranchPoint::new(self.balance, solved, self.omega_scale);
-        Some(found.towards(from.tangent.omega))
-    }
-
-    fn segment(&self, i: usize) -> CubicSegment {
-        if self.linear {
-            return CubicSegment::over_frequency(&self.points[i], &self.points[i + 1]);
-        }
-        CubicSegment::new(&self.points[i], &self.points[i + 1], self.lengths[i])
-    }
-
-    /// Error of segment i, measured at the solutions beyond its ends.
-    fn error(&self, i: usize) -> f64 {
-        let ahead = (self.lengths.get(i + 1)).map_or(0.0, |&length| {
-            (self.segment(i)).error(&self.scales, length, &self.points[i + 2])
-        });
-        let behind = i.checked_sub(1).map_or(0.0, |j| {
-            let segment = self.segment(i).reversed();
-            segment.error(&self.scales, self.lengths[j], &self.points[j])
-        });
-        f64::max(ahead, behind)
-    }
-
-    /// Adds a solution in the middle of every segment that is not exact enough.
-    fn refine(&mut self) {
-        for _ in 0..MOST_ROUNDS {
-            let coarse: Vec<usize> = (0..self.lengths.len())
-                .filter(|&i| self.error(i) > ESTIMATES[1])
-                .collect();
-            let added = coarse.iter().rev().filter(|&&i| self.halve(i)).count();
-            if added == 0 {
-                return;
-            }
-        }
-    }
-
-    /// Whether a solution could be added in the middle of segment i.
-    fn halve(&mut self, i: usize) -> bool {
-        if self.linear {
-            let [a, b] = [i, i + 1].map(|i| self.points[i].iterate.point.omega);
-            let middle = self.at(i, 0.5 * (a + b));
-            let is_found = middle.is_some();
-            self.points.splice(i + 1..i + 1, middle);
-            self.lengths.resize(self.points.len() - 1, 1.0);
-            return is_found;
-        }
-        let (from, half) = (&self.points[i], 0.5 * self.lengths[i]);
-        let solved = from.step(self.balance, half, self.newton);
-        let Ok(iterate) = solved else {
-            return false;
-        };
-        let middle = BranchPoint::new(self.balance, iterate, self.omega_scale);
-        let middle = middle.following(&from.tangent);
-        // past a corner the branch is longer than the step over it
-        let [rest, _] = middle.distances(&self.points[i + 1].iterate.point);
-        if rest <= 0.0 {
-            return false;
-        }
-        self.lengths.splice(i..=i, [half, rest]);
-        self.points.insert(i + 1, middle);
-        true
-    }
-
-    /// The points of the branch from the peak on, in the order of the continuation.
-    fn branch(&self) -> Vec<CurvePoint> {
-        let peak = &self.points[0];
-        let mut points = vec![CurvePoint {
-            omega: peak.iterate.point.omega,
-            amplitude: peak.response.norm(),
-        }];
-        for i in 0..self.lengths.len() {
-            let segment = self.segment(i);
-            let of_segment = segment.points(&self.scales);
-            points.extend(of_segment.map(|(omega, response)| CurvePoint {
-                omega,
-                amplitude: response.norm(),
-            }));
-        }
-        points
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{CurvePoint, Sweeps, sweeps};
@@ -428,7 +204,11 @@ mod tests {
 
     /// Points (frequency, amplitude) in the order of a branch.
     fn branch(points: &[[f64; 2]]) -> Vec<CurvePoint> {
-        let point = |&[omega, amplitude]: &[f64; 2]| CurvePoint { omega, amplitude };
+        let point = |&[omega, amplitude]: &[f64; 2]| CurvePoint {
+            omega,
+            amplitude,
+            unstable: None,
+        };
         points.iter().map(point).collect()
     }
 
@@ -453,7 +233,11 @@ mod tests {
             [9.5, 1.0],
         ]);
         let found = sweeps(&leaning, BAND, 0.1).expect("a branch through the band");
-        let at = |omega, amplitude| CurvePoint { omega, amplitude };
+        let at = |omega, amplitude| CurvePoint {
+            omega,
+            amplitude,
+            unstable: None,
+        };
         let expected = Sweeps {
             upward: at(6.0, 4.8),
             downward: at(4.0, 8.0),

@@ -2,6 +2,7 @@
 
 mod cubic_segment;
 pub mod curve;
+mod curve_side;
 pub mod forced_response;
 mod gap;
 mod level_problem;

@@ -138,7 +138,8 @@ impl Sectors {
             .collect()
     }
 
-    /// Fields of all sectors, one column each, in waves, one column each with a field after the other. Rows: `[N][width]` → `[field][width]`.
+    /// Transforms fields from sectors to waves. A column of `fields` holds one field of all sectors; a column of the result holds one wave of all
+    /// fields. Rows: `[N][width]` → `[field][width]`.
     pub(super) fn to_waves(&self, fields: &Mat<c64>) -> Mat<c64> {
         let width = fields.nrows() / self.n_sectors;
         let mut by_sector = Mat::zeros(width * fields.ncols(), self.n_sectors);

@@ -110,7 +110,7 @@ impl<'p> HarmonicCompliance<'p> {
     /// The same with a relative error of 1e-10 instead of 1e-13, at half of the cost. This suffices for derivatives, which
     /// choose a step but enter no residual.
     #[must_use]
-    pub fn solve_rate(&self, load: &[c64]) -> Vec<c64> {
+    pub(crate) fn solve_rate(&self, load: &[c64]) -> Vec<c64> {
         Arch::new().dispatch(Solving {
             compliance: self,
             load,

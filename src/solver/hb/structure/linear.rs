@@ -223,7 +223,7 @@ impl ModalPart {
 
     /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts; of a real part.
     #[must_use]
-    pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
+    pub(crate) fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
         let contact = &self.contact.real;
         held_stiffness(&self.structure.lambda, contact, self.multiplicity, k)
     }

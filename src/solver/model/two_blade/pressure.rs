@@ -17,9 +17,12 @@ use super::TwoBladeSettings;
 use super::components::{ContactCell, Layout};
 use crate::linalg::{LinalgError, symmetric_eigen};
 use crate::model::ReducedModel;
-use crate::setting::{BadSetting, positive};
+use crate::setting::{BadSetting, positive, within};
 use crate::units::mm_to_m;
 use faer::Mat;
+
+/// Correlation lengths (mm): far below a contact cell, and far beyond a strip.
+const CORRELATION_LENGTH_MM: [f64; 2] = [1e-3, 1e6];
 
 /// Random field of the load on the contact nodes, of the built-in model only. Each mode is an input `pressure_mode_1`, ...:
 /// a standard normal number; each interface keeps its load.
@@ -31,7 +34,7 @@ pub struct PressureField {
     #[schemars(range(max = 0.3), extend("exclusiveMinimum" = 0))]
     pub standard_deviation: f64,
     /// ℓ (mm) of the correlation exp(−d² / 2 ℓ²) of two nodes at the distance d.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = CORRELATION_LENGTH_MM[0], max = CORRELATION_LENGTH_MM[1]))]
     pub correlation_length_mm: f64,
     /// Modes per interface, not more than its contact nodes; `inspect` shows how much of the field's shape they hold.
     #[serde(default = "default_modes")]
@@ -162,7 +165,11 @@ impl PressureField {
         let rule = "must be at most 0.3: a Gaussian field would lift the strip off";
         let small = self.standard_deviation <= 0.3;
         BadSetting::unless(small, "standard_deviation", self.standard_deviation, rule)?;
-        positive("correlation_length_mm", self.correlation_length_mm)?;
+        within(
+            "correlation_length_mm",
+            self.correlation_length_mm,
+            CORRELATION_LENGTH_MM,
+        )?;
         // one less than nodes: the mean is none
         let most = Self::MOST_MODES.min(nodes - 1);
         let rule = format!("must be from 1 to {most}");

@@ -1,6 +1,6 @@
 //! Geometry, material, damping and loads of the rig, as a user writes them.
 
-use crate::setting::{BadSetting, LARGEST, Plain, positive, within, without_round_off};
+use crate::setting::{BadSetting, LARGEST, Plain, positive, unusual, within, without_round_off};
 
 /// Lengths that a part of a rig can have (mm).
 const LENGTH_MM: [f64; 2] = [1e-3, 1e4];
@@ -12,6 +12,13 @@ const DENSITY_KG_M3: [f64; 2] = [1.0, 1e5];
 const DAMPING_RATIO: [f64; 2] = [0.0, 1.0];
 /// Loads on a strip (N).
 const LOAD_N: [f64; 2] = [1e-6, 1e9];
+/// Usual Young's moduli (GPa) and densities (kg/m³): those of metals.
+const USUAL_YOUNGS_MODULUS_GPA: [f64; 2] = [50.0, 500.0];
+const USUAL_DENSITY_KG_M3: [f64; 2] = [1500.0, 2.0e4];
+/// Usual damping ratios of a part without friction.
+const USUAL_DAMPING_RATIO: [f64; 2] = [0.0, 0.05];
+/// Usual loads on a strip (N).
+const USUAL_LOAD_N: [f64; 2] = [0.1, 1e5];
 /// Stiffness of the retention (N/m): round-off would spoil the strip's own stiffness beyond.
 const RETENTION_N_PER_M: [f64; 2] = [1e-6, 1e15];
 /// Highest cut-off (Hz): above it no mesh of a blade has a mode.
@@ -56,6 +63,7 @@ pub struct TwoBladeSettings {
     #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
     pub airfoil_mm: [f64; 3],
     /// Offset of the airfoil in y (mm); couples bending and torsion.
+    #[schemars(range(min = -LENGTH_MM[1], max = LENGTH_MM[1]))]
     pub airfoil_offset_mm: f64,
     /// Gap between the platforms (mm).
     #[schemars(range(min = LENGTH_MM[0], max = LENGTH_MM[1]))]
@@ -167,6 +175,32 @@ impl TwoBladeSettings {
         self.validate_physics()
     }
 
+    /// What may be meant but is unusual; keys relative to `[model]`.
+    #[must_use]
+    pub fn unusual(&self) -> Vec<BadSetting> {
+        let values = [
+            (
+                "youngs_modulus_gpa",
+                self.youngs_modulus_gpa,
+                USUAL_YOUNGS_MODULUS_GPA,
+            ),
+            ("density_kg_m3", self.density_kg_m3, USUAL_DENSITY_KG_M3),
+            (
+                "blade_damping_ratio",
+                self.blade_damping_ratio,
+                USUAL_DAMPING_RATIO,
+            ),
+            (
+                "strip_damping_ratio",
+                self.strip_damping_ratio,
+                USUAL_DAMPING_RATIO,
+            ),
+            ("centrifugal_load_n", self.centrifugal_load_n, USUAL_LOAD_N),
+        ];
+        let found = values.map(|(key, value, usual)| unusual(key, value, usual));
+        found.into_iter().flatten().collect()
+    }
+
     fn validate_geometry(&self) -> Result<(), BadSetting> {
         let solids = [
             ("neck_mm", self.neck_mm),
@@ -180,12 +214,11 @@ impl TwoBladeSettings {
             }
         }
         within("gap_mm", self.gap_mm, LENGTH_MM)?;
-        BadSetting::unless(
-            self.strip_mm[2] <= self.neck_mm[2],
-            "strip_mm",
-            self.strip_mm[2],
-            "must not be thicker than the neck is high",
-        )?;
+        let (offset, most) = (self.airfoil_offset_mm, LENGTH_MM[1]);
+        within("airfoil_offset_mm", offset, [-most, most])?;
+        let (thickness, height) = (self.strip_mm[2], self.neck_mm[2]);
+        let rule = "must not be thicker than the neck is high";
+        BadSetting::unless(thickness <= height, "strip_mm", thickness, rule)?;
         let fits = |part: f64, offset: f64, whole: f64| part + 2.0 * offset.abs() <= whole + 1e-9;
         for axis in 0..2 {
             BadSetting::unless(

@@ -1,201 +1,21 @@
-//! `disk.html`: the engine orders of a disk over speed and nodal diameter.
+//! Campbell and SAFE diagram, and the amplitude over the nodal diameter.
 
-use super::summary::{DiskSummary, OrderLevel, OrderSummary};
+use super::{View, excitation_hz};
 use crate::page::axis::Axis;
-use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table, Verdict};
-use crate::page::display::{DASH, LengthUnit, hertz, level_name, percent, significant};
+use crate::page::block::{Block, Figure, Key, Mark, Section};
+use crate::page::display::{hertz, significant};
 use crate::page::figure::{Panel, Size};
-use crate::page::style::figure_style;
-use crate::report::error::ReportError;
-use crate::report::page::document::page;
-use crate::report::page::view::length_unit;
-use crate::report::run::input::ReportInput;
+use crate::report::disk::summary::OrderSummary;
 use crate::report::run::record::NodalRecord;
-use crate::report::run::stored_run::StoredRun;
-use crate::report::verdict::criterion_result::CriterionResult;
-use crate::report::verdict::sentence::word;
-use crate::statistics::{Judgement, hull};
+use crate::statistics::hull;
 
-/// Space between the bars of two levels at one nodal diameter.
-const BESIDE: f64 = 0.12;
 /// Half the gap between two bands of the Campbell diagram, as a share of its width.
 const GAP: f64 = 0.003;
 
 /// Linear frequencies (Hz) of a nodal diameter, of one kind.
 type FrequenciesOf = fn(&NodalRecord) -> &Vec<f64>;
 
-/// A disk as the page shows it.
-struct View<'a> {
-    disk: &'a DiskSummary,
-    /// Unit of the amplitudes.
-    unit: LengthUnit,
-    style: String,
-    /// Frequencies that matter (Hz): all scatter bars with space around.
-    window: [f64; 2],
-}
-
-/// Renders the page.
-pub(super) fn render(disk: &DiskSummary, runs: &[StoredRun]) -> Result<String, ReportError> {
-    let inputs: Vec<ReportInput> = runs.iter().map(StoredRun::input).collect();
-    let bars = disk.orders.iter().flat_map(|order| &order.levels);
-    let ends = bars.filter_map(|level| level.frequency_hz);
-    let [low, high] = hull(ends.flat_map(|[low, _, high]| [low, high])).unwrap_or([0.0, 1.0]);
-    let space = (high - low).max(2e-3 * high);
-    let view = View {
-        disk,
-        unit: length_unit(&inputs),
-        style: figure_style(disk.levels.len()),
-        window: [low - space, high + space],
-    };
-    let title = match disk.orders.first() {
-        Some(order) => format!("Disk of {} sectors: {}", disk.sectors, order.study),
-        None => format!("Disk of {} sectors", disk.sectors),
-    };
-    let sections = [
-        Some(verdicts(&view)),
-        Some(diagrams(&view)),
-        Some(numbers(&view)),
-    ];
-    let sections: Vec<Section> = sections.into_iter().flatten().collect();
-    page(&title, disk.levels.len(), &sections)
-}
-
-impl View<'_> {
-    fn level_name(&self, i: usize) -> String {
-        level_name(self.disk.levels[i], &self.disk.level_unit)
-    }
-
-    fn figure(&self, panel: &Panel, file: &str, caption: &str) -> Figure {
-        Figure::new(
-            panel,
-            &self.style,
-            format!("{file}.svg"),
-            caption.to_owned(),
-        )
-    }
-
-    /// Every order at every level that has a solution.
-    fn bars(&self) -> impl Iterator<Item = (&OrderSummary, usize, &OrderLevel)> {
-        let orders = self.disk.orders.iter();
-        orders.flat_map(|order| (order.levels.iter().enumerate()).map(move |(i, l)| (order, i, l)))
-    }
-
-    /// Place of the bar of level i at a nodal diameter: levels stand beside each other.
-    fn beside(&self, nodal_diameter: usize, i: usize) -> f64 {
-        let middle = 0.5 * (self.disk.levels.len() as f64 - 1.0);
-        nodal_diameter as f64 + BESIDE * (i as f64 - middle)
-    }
-
-    fn nodal_axis(&self) -> Axis {
-        let most = self
-            .disk
-            .orders
-            .iter()
-            .map(|order| order.nodal_diameter)
-            .max();
-        let most = most.unwrap_or(0).min(self.disk.sectors / 2);
-        Axis::linear("Nodal diameter", -0.5, most as f64 + 1.5)
-    }
-}
-
-/// What the probabilities depend on: once where it is the same for all orders.
-fn conditions(orders: &[OrderSummary]) -> String {
-    let of_all = orders.first().map(|order| &order.condition);
-    if orders.iter().all(|order| Some(&order.condition) == of_all) {
-        return of_all.cloned().unwrap_or_default();
-    }
-    let of_order = |order: &OrderSummary| format!("EO {}: {}", order.engine_order, order.condition);
-    let each: Vec<String> = orders.iter().map(of_order).collect();
-    each.join(" ")
-}
-
-fn verdicts(view: &View) -> Section {
-    let orders = &view.disk.orders;
-    let mut blocks = Vec::new();
-    match orders.iter().any(|order| !order.criteria.is_empty()) {
-        true => blocks.extend([criteria(orders), Block::Verdicts(sentences(orders))]),
-        false => blocks.push(Block::Sentence("The studies state no criteria.".to_owned())),
-    }
-    let hint = format!(
-        "Engine order r excites the nodal diameter that r leaves modulo {0} sectors, or {0} minus it. All sectors are equal: \
-         what scatters is common to the whole disk. {1}",
-        view.disk.sectors,
-        conditions(orders)
-    );
-    blocks.push(Block::Hint(hint));
-    Section {
-        id: "verdict",
-        title: "Verdict by engine order".to_owned(),
-        blocks,
-    }
-}
-
-/// The word of a judgement and the class of its badge.
-fn badge(result: &CriterionResult) -> (&'static str, &'static str) {
-    let class = match result.judgement {
-        Judgement::Pass => "pass",
-        Judgement::Fail => "fail",
-        Judgement::Undecided => "undecided",
-    };
-    (word(result.judgement), class)
-}
-
-/// The judgements of all orders at a glance; narrow, so that a phone shows all of it. The sentences are in the download.
-fn criteria(orders: &[OrderSummary]) -> Block {
-    let mut table = Table::of(
-        "Criteria by engine order",
-        "disk-criteria",
-        &[
-            ("Order", &["engine_order", "nodal_diameter"]),
-            ("Criterion", &["criterion"]),
-            ("Verdict", &["verdict", "sentence"]),
-        ],
-    );
-    for order in orders {
-        for result in &order.criteria {
-            let (word, class) = badge(result);
-            let nodal_diameter = Some(order.nodal_diameter as f64);
-            table.row(vec![
-                whole(order.engine_order as usize)
-                    .with_raw([nodal_diameter])
-                    .with_small(format!("nodal diameter {}", order.nodal_diameter))
-                    .with_class("text brief"),
-                Cell::text(&result.criterion.name).with_class("text brief"),
-                Cell::text(word)
-                    .with_badge(class)
-                    .with_raw_text(&result.sentence)
-                    .with_class("text"),
-            ]);
-        }
-    }
-    table.block()
-}
-
-/// What each judgement says, order by order.
-fn sentences(orders: &[OrderSummary]) -> Vec<Verdict> {
-    let of_order = |order: &OrderSummary| -> Vec<Verdict> {
-        let verdict = |result: &CriterionResult| {
-            let (word, class) = badge(result);
-            Verdict {
-                word: word.to_owned(),
-                class,
-                name: format!(
-                    "Engine order {}: {}",
-                    order.engine_order, result.criterion.name
-                ),
-                sentence: result.sentence.clone(),
-            }
-        };
-        order.criteria.iter().map(verdict).collect()
-    };
-    orders.iter().flat_map(of_order).collect()
-}
-
-fn whole(number: usize) -> Cell {
-    Cell::number(number.to_string(), Some(number as f64))
-}
-
-fn diagrams(view: &View) -> Section {
+pub(super) fn section(view: &View) -> Section {
     let mut keys: Vec<Key> = (0..view.disk.levels.len())
         .map(|i| Key::level(i, view.level_name(i)))
         .collect();
@@ -220,11 +40,6 @@ fn diagrams(view: &View) -> Section {
             Block::Hint(hint.to_owned()),
         ],
     }
-}
-
-/// Frequency (Hz) of an engine order at a speed (1/min).
-fn excitation_hz(order: f64, speed_rpm: f64) -> f64 {
-    order / 60.0 * speed_rpm
 }
 
 fn campbell(view: &View) -> Figure {
@@ -425,71 +240,4 @@ fn amplitudes(view: &View) -> Figure {
         "amplitude-nodal-diameter",
         "First harmonic of the first response.",
     )
-}
-
-fn numbers(view: &View) -> Section {
-    let unit = view.unit.symbol;
-    let amplitude = format!("Amplitude ({unit})");
-    let mut table = Table::of(
-        "By engine order and level",
-        "disk",
-        &[
-            ("Order", &["engine_order"]),
-            ("Nodal diameter", &["nodal_diameter"]),
-            ("Level", &["level"]),
-            ("Samples", &["samples"]),
-            ("Failed", &["failed"]),
-            (
-                "Frequency (Hz)",
-                &["frequency_q01_hz", "frequency_q50_hz", "frequency_q99_hz"],
-            ),
-            (
-                &amplitude,
-                &["amplitude_q01_m", "amplitude_q50_m", "amplitude_q99_m"],
-            ),
-            ("Crossing (1/min)", &["crossing_rpm"]),
-            ("Margin, lower bound", &["margin_bound"]),
-        ],
-    );
-    for (order, i, level) in view.bars() {
-        table.row(number_row(view, order, i, level));
-    }
-    let hint = "Frequency and amplitude: 1 %, 50 % and 99 % of the samples. The lower bound of the margin over the range of speeds \
-                holds for 95 % of the assumed prior with 95 % confidence.";
-    Section {
-        id: "numbers",
-        title: "Numbers".to_owned(),
-        blocks: vec![table.block(), Block::Hint(hint.to_owned())],
-    }
-}
-
-fn number_row(view: &View, order: &OrderSummary, i: usize, level: &OrderLevel) -> Vec<Cell> {
-    let bar = |bar: &Option<[f64; 3]>, show: &dyn Fn(f64) -> String| match bar {
-        None => Cell::number(DASH, None).with_raw([None, None]),
-        Some([low, middle, high]) => {
-            let words = [low, middle, high].map(|value| show(*value)).join(", ");
-            Cell::number(words, Some(*low)).with_raw([Some(*middle), Some(*high)])
-        }
-    };
-    let slope = excitation_hz(f64::from(order.engine_order), 1.0);
-    let crossing = level.frequency_hz.map(|[_, middle, _]| middle / slope);
-    let speed = crossing.map_or(DASH.to_owned(), |v| format!("{v:.0}"));
-    let bound = level
-        .margin
-        .as_ref()
-        .and_then(|margin| margin.range_bound.value());
-    let margin = Cell::number(bound.map_or(DASH.to_owned(), percent), bound);
-    vec![
-        whole(order.engine_order as usize),
-        whole(order.nodal_diameter),
-        Cell::number(view.level_name(i), Some(level.level)).with_chip(i),
-        whole(order.samples),
-        whole(level.failed),
-        bar(&level.frequency_hz, &hertz),
-        bar(&level.amplitude_m, &|a| {
-            significant(a * view.unit.per_metre)
-        }),
-        Cell::number(speed, crossing),
-        margin,
-    ]
 }

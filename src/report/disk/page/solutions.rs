@@ -1,0 +1,46 @@
+//! Whether the structure stays in the vibrations of each engine order, and whether there are others: stability and several answers.
+
+use super::{View, whole};
+use crate::page::block::{Block, Cell, Section, Table};
+use crate::page::display::{DASH, significant};
+
+pub(super) fn section(view: &View) -> Section {
+    let mut table = Table::of(
+        "Stability and several answers",
+        "disk-solutions",
+        &[
+            ("Order", &["engine_order"]),
+            ("Level", &["level"]),
+            ("Peaks", &["peaks"]),
+            ("Assessed", &["assessed"]),
+            ("Unstable", &["unstable"]),
+            ("Largest multiplier", &["largest_multiplier"]),
+            ("Curves", &["curves"]),
+            ("Several answers", &["several"]),
+        ],
+    );
+    for (order, i, level) in view.bars() {
+        let largest = level.stability.largest_multiplier;
+        table.row(vec![
+            whole(order.engine_order as usize),
+            Cell::number(view.level_name(i), Some(level.level)).with_chip(i),
+            whole(level.stability.peaks),
+            whole(level.stability.assessed),
+            whole(level.stability.unstable),
+            Cell::number(
+                largest.map_or_else(|| DASH.to_owned(), significant),
+                largest,
+            ),
+            whole(level.several_answers.curves),
+            whole(level.several_answers.several),
+        ]);
+    }
+    let hint = "Assessed: peaks whose Floquet multipliers were computed; the others may be stable or not. An unstable vibration does not \
+                last, and verdicts count its sample as unknown. Several answers are looked for on curves through the band alone: where a \
+                curve folds over, a sweep upwards meets another vibration than one downwards.";
+    Section {
+        id: "solutions",
+        title: "Stability and several answers".to_owned(),
+        blocks: vec![table.block(), Block::Hint(hint.to_owned())],
+    }
+}
