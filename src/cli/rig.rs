@@ -9,7 +9,7 @@ use super::process::Process;
 use super::terminal::{Bar, print};
 use clap::Args;
 use microslip::Error;
-use microslip::rig::{Rig, RigSummary, Slip, write_tests};
+use microslip::rig::{MeasuredResonance, Rig, RigSummary, Slip, write_tests};
 use microslip::study::Progress;
 use serde_json::json;
 
@@ -51,6 +51,13 @@ impl RigArguments {
         let clipped = summary.tests.iter().filter(|test| test.out_of_range > 0);
         if let n @ 1.. = clipped.count() {
             let warning = format!("in {n} tests an instrument was at the end of its range");
+            messages.log.warn(&[warning]);
+        }
+        let cut = |resonance: &&MeasuredResonance| {
+            resonance.steps.iter().any(|step| step.out_of_range > 0)
+        };
+        if let n @ 1.. = summary.resonances.iter().filter(cut).count() {
+            let warning = format!("of {n} resonances the vibrometer was at the end of its range");
             messages.log.warn(&[warning]);
         }
         if messages.quiet {

@@ -8,7 +8,7 @@ use crate::setting::{BadSetting, non_negative, positive, within};
 use crate::units::um_to_m;
 
 /// Standard deviations of a normal law from its mean to a limit that 95 % keep.
-const DEVIATIONS_OF_LIMIT: f64 = 1.959_964;
+pub(super) const DEVIATIONS_OF_LIMIT: f64 = 1.959_964;
 
 /// When the gains of the force cells are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]

@@ -20,11 +20,13 @@ pub mod read;
 pub mod response;
 pub mod settings;
 pub mod stand;
+pub mod step_sine;
 pub mod support;
 pub mod virtual_test;
 pub mod write;
 
 pub use read::Rig;
+pub use response::MeasuredResonance;
 pub use stand::Stand;
 pub use virtual_test::{PlatformMotion, Slip, Specimen, VirtualTest};
 pub use write::{RigSummary, write_tests};

@@ -20,6 +20,8 @@ pub enum Purpose {
     Response = 5,
     /// Gains of the force cells.
     Gains = 6,
+    /// Gain of the force cell of configuration b.
+    ForceOfResponse = 7,
 }
 
 /// A stream of normal numbers.

@@ -1,5 +1,6 @@
 //! What `rig.toml` says of the specimen, of the strip and of the measured resonances.
 
+use crate::hb::branch::sweep::SweepDirection;
 use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM};
 use crate::model::two_blade::TwoBladeSettings;
 use crate::setting::{
@@ -13,6 +14,15 @@ const MOST_SPECIMENS: u64 = 10_000;
 /// Largest standard deviation of a measured frequency or amplitude over the number itself: 0 lies ten deviations away then, so that no
 /// draw is negative.
 const LARGEST_DEVIATION: f64 = 0.1;
+
+/// Steps at most.
+const MOST_STEPS: usize = 501;
+/// Cycles of a step at most.
+const MOST_CYCLES: usize = 100_000;
+/// Samples of a cycle at most.
+const MOST_SAMPLES: usize = 500;
+/// Fewest steps of a fit: three decide the curve, the others its error.
+pub(super) const FEWEST_STEPS: usize = 5;
 
 /// The true contact of the specimens: what a test is to find.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
@@ -157,6 +167,58 @@ impl StripSettings {
     }
 }
 
+/// Step-sine of constant force around each resonance.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct StepSineSettings {
+    /// Steps, evenly apart.
+    pub steps: usize,
+    /// How far they reach on either side of the resonance, in half-power half-widths.
+    pub half_widths: f64,
+    /// Which way the steps go: where the response jumps, only one of both meets the peak.
+    pub sweep: SweepDirection,
+    /// Cycles of a step that are recorded; the vibration has settled before.
+    pub cycles: usize,
+    /// Samples of a cycle.
+    pub samples_per_cycle: usize,
+}
+
+impl Default for StepSineSettings {
+    fn default() -> Self {
+        Self {
+            steps: 15,
+            half_widths: 1.5,
+            // contacts that open let a branch lean to low frequencies
+            sweep: SweepDirection::Downward,
+            cycles: 100,
+            samples_per_cycle: 20,
+        }
+    }
+}
+
+impl StepSineSettings {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[response.step_sine]`.
+    pub fn validate(&self) -> Result<(), BadSetting> {
+        let counts = [
+            ("steps", self.steps, [FEWEST_STEPS, MOST_STEPS]),
+            ("cycles", self.cycles, [2, MOST_CYCLES]),
+            (
+                "samples_per_cycle",
+                self.samples_per_cycle,
+                [8, MOST_SAMPLES],
+            ),
+        ];
+        for (key, count, [least, most]) in counts {
+            let rule = format!("must be from {least} to {most}");
+            BadSetting::unless((least..=most).contains(&count), key, count, &rule)?;
+        }
+        within("half_widths", self.half_widths, [0.1, 20.0])
+    }
+}
+
 /// What is measured of two blades.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -164,21 +226,18 @@ pub struct ResponseSettings {
     /// Study of kind "two-blade-strip", relative to the rig file: its structure, levels, band and solver. Its contact is
     /// replaced by that of the specimen, its random inputs are left out.
     pub study: PathBuf,
-    /// Standard deviation of a resonance frequency (Hz).
-    #[serde(default = "default_frequency_deviation")]
-    pub frequency_deviation_hz: f64,
-    /// Standard deviation of an amplitude over the amplitude (%).
-    #[serde(default = "default_amplitude_deviation")]
-    pub amplitude_deviation_percent: f64,
+    /// Standard deviation of a resonance frequency (Hz); [`FREQUENCY_DEVIATION_HZ`] if absent. Not with `step_sine`.
+    pub frequency_deviation_hz: Option<f64>,
+    /// Standard deviation of an amplitude over the amplitude (%); [`AMPLITUDE_DEVIATION_PERCENT`] if absent. Not with `step_sine`.
+    pub amplitude_deviation_percent: Option<f64>,
+    /// Resonances are measured by force cell and vibrometer, step by step; absent, they have errors of the stated size.
+    pub step_sine: Option<StepSineSettings>,
 }
 
-fn default_frequency_deviation() -> f64 {
-    0.05
-}
-
-fn default_amplitude_deviation() -> f64 {
-    1.0
-}
+/// Standard deviation of a resonance frequency (Hz) where the file states none.
+const FREQUENCY_DEVIATION_HZ: f64 = 0.05;
+/// Standard deviation of an amplitude over the amplitude (%) where the file states none.
+const AMPLITUDE_DEVIATION_PERCENT: f64 = 1.0;
 
 impl ResponseSettings {
     /// Checks ranges.
@@ -186,10 +245,36 @@ impl ResponseSettings {
     /// # Errors
     /// [`BadSetting`] with a key relative to `[response]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
-        non_negative("frequency_deviation_hz", self.frequency_deviation_hz)?;
+        if let Some(step_sine) = &self.step_sine {
+            let stated = [
+                ("frequency_deviation_hz", self.frequency_deviation_hz),
+                (
+                    "amplitude_deviation_percent",
+                    self.amplitude_deviation_percent,
+                ),
+            ];
+            for (key, deviation) in stated {
+                let rule = "must be absent with [response.step_sine], whose fit has it";
+                let written = deviation.unwrap_or_default();
+                BadSetting::unless(deviation.is_none(), key, Plain(written), rule)?;
+            }
+            return step_sine.validate().map_err(|bad| bad.under("step_sine"));
+        }
+        let [hertz, percent] = self.deviations();
+        non_negative("frequency_deviation_hz", hertz)?;
         let most = 100.0 * LARGEST_DEVIATION;
-        let percent = self.amplitude_deviation_percent;
         within("amplitude_deviation_percent", percent, [0.0, most])
+    }
+
+    /// Standard deviations where resonances have errors of a stated size: of the frequency (Hz), and of the amplitude (%).
+    #[must_use]
+    pub fn deviations(&self) -> [f64; 2] {
+        [
+            self.frequency_deviation_hz
+                .unwrap_or(FREQUENCY_DEVIATION_HZ),
+            self.amplitude_deviation_percent
+                .unwrap_or(AMPLITUDE_DEVIATION_PERCENT),
+        ]
     }
 
     /// Refuses frequencies that might be measured as negative, in a band from `lowest_hz` (Hz) on.
@@ -202,7 +287,7 @@ impl ResponseSettings {
             "must be at most a tenth of the frequency at which the band of the study begins: {} Hz",
             Plain(without_round_off(most))
         );
-        let deviation = self.frequency_deviation_hz;
+        let [deviation, _] = self.deviations();
         let key = "frequency_deviation_hz";
         BadSetting::unless(deviation <= most, key, Plain(deviation), &rule)
     }

@@ -1,6 +1,7 @@
 //! The files of a rig: one record per test, the pressure map, resonances, and the truth.
 //!
-//! `test-0001.csv`, … and `pressure-map.csv`: what a laboratory has. `response-0001.csv`, …: resonances of each specimen in configuration b. `truth.json`: what a laboratory does not know.
+//! `test-0001.csv`, … and `pressure-map.csv`: what a laboratory has. `response-0001.csv`, …: resonances of each specimen in configuration b, and
+//! `steps-0001.csv`, …: the steps that they were measured by. `truth.json`: what a laboratory does not know.
 
 use std::io::Write;
 use std::path::Path;
@@ -16,7 +17,7 @@ use crate::file::{replace, write_folder};
 use crate::record::{
     ResponsePoint, ResponseRecord, write_hysteresis, write_pressure_map, write_response,
 };
-use crate::units::um_to_m;
+use crate::units::{m_to_um, um_to_m};
 use rayon::prelude::*;
 
 /// Version of `truth.json`.
@@ -137,6 +138,31 @@ pub fn write_tests(rig: &Rig, output: &Path, done: impl Fn() + Sync) -> Result<R
     Ok(summary)
 }
 
+/// The steps that the resonances of one specimen were measured by, if there are such: no reader of the program takes them, a laboratory has them.
+fn write_steps(path: &Path, resonances: &[MeasuredResonance], note: &str) -> Result<(), Error> {
+    if resonances
+        .iter()
+        .all(|resonance| resonance.steps.is_empty())
+    {
+        return Ok(());
+    }
+    replace(path, |file| {
+        writeln!(file, "# {note}\nlevel [N],frequency [Hz],amplitude [um]")?;
+        for resonance in resonances {
+            for step in &resonance.steps {
+                let amplitude = m_to_um(step.amplitude_m);
+                writeln!(
+                    file,
+                    "{},{},{amplitude}",
+                    resonance.level, step.frequency_hz
+                )?;
+            }
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
 /// Resonances of one specimen; a level without a peak becomes a comment.
 fn write_specimen(
     folder: &Path,
@@ -147,6 +173,11 @@ fn write_specimen(
         return Ok(());
     };
     let name = format!("response-{:04}", first.specimen + 1);
+    write_steps(
+        &folder.join(format!("steps-{:04}.csv", first.specimen + 1)),
+        resonances,
+        note,
+    )?;
     // nothing is stated of a number that is exact: readers take deviations above 0 alone
     let stated = |deviation: f64| (deviation > 0.0).then_some(deviation);
     let point = |resonance: &MeasuredResonance| {

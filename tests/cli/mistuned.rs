@@ -6,6 +6,7 @@ use microslip::ensemble::outcome::{PeakRecord, SampleOutcome};
 use microslip::ensemble::store::read_samples;
 use serde_json::Value;
 
+use super::bad_input::assert_refused;
 use super::bad_input::disk_cases::{DISK, DISK_FILES};
 use crate::microslip;
 
@@ -39,6 +40,34 @@ fn run(folder: &Path, disk: (usize, &str), output: &str, more: &[&str]) {
 fn samples(folder: &Path, output: &str) -> (Vec<String>, Vec<SampleOutcome>) {
     let stored = read_samples(&folder.join(output).join("samples.parquet")).unwrap();
     (stored.input_names, stored.outcomes)
+}
+
+/// The peak is the largest amplitude over all blades, so no mode can be asked for. Seen to fail with the program before, which took no notice.
+#[test]
+fn its_peak_is_no_mode() {
+    for (peak, scatter, refused) in [
+        ("\"all\"", "0.01", true),
+        ("1", "0.01", true),
+        ("1", "0.0", false),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        write_study(folder.path(), (5, scatter));
+        let path = folder.path().join("study.toml");
+        let study = std::fs::read_to_string(&path).unwrap();
+        let asked = study.replace("[frequency]", &format!("[frequency]\npeak = {peak}"));
+        std::fs::write(&path, asked).unwrap();
+        let output = microslip(folder.path(), &["inspect", "study.toml"]);
+        match refused {
+            true => {
+                let value = peak.trim_matches('"');
+                let rule = format!(
+                    "frequency.peak = {value}: must be \"highest\" with blade_frequency_scatter"
+                );
+                assert_refused(peak, &output, &[&rule]);
+            }
+            false => assert_eq!(output.status.code(), Some(0), "{output:?}"),
+        }
+    }
 }
 
 /// Peaks of a mistuned disk that slip are assessed for stability where the study asks for it; else those alone that bounce, of which there are none. Seen

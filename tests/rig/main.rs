@@ -14,6 +14,7 @@ mod motion;
 mod program;
 mod response;
 mod signals;
+mod step_sine;
 
 use microslip::rig::{Rig, VirtualTest};
 use std::path::Path;

@@ -59,7 +59,7 @@ fn a_wrong_response_study_costs_no_simulation() {
 }
 
 /// The study of two blades with a coarse contact, at one level.
-fn coarse_study() -> String {
+pub(crate) fn coarse_study() -> String {
     let study = std::fs::read_to_string("studies/two-blade-strip/study.toml").unwrap();
     let study = study.replace("levels = [0.1, 5.0, 20.0]", "levels = [20.0]");
     let coarse = "kind = \"two-blade-strip\"\ncontact_nodes = [2, 2]";

@@ -7,7 +7,8 @@ use crate::setting::{
 };
 use crate::statistics::{Demonstration, confidence_at};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Share of the assumed prior that must keep a limit if the study does not say.
 const DEFAULT_SHARE: f64 = 0.95;
@@ -46,6 +47,7 @@ pub struct Operation {
     pub speed_rpm: [f64; 2],
     /// Orders of the excitation: multiples of the speed.
     #[schemars(length(min = 1, max = MOST), inner(range(min = 1, max = LARGEST_ORDER)), extend("uniqueItems" = true))]
+    #[serde(deserialize_with = "orders")]
     pub engine_orders: Vec<u32>,
     /// Speeds that are held for long (1/min), inside the range.
     #[serde(default)]
@@ -205,6 +207,16 @@ fn at_most(key: &str, values: usize) -> Result<(), BadSetting> {
     let value = format!("[{values} values]");
     let rule = format!("must be at most {MOST} values");
     BadSetting::unless(values <= MOST, key, value, &rule)
+}
+
+/// Reads engine orders; those that are no numbers of the type are refused with the rule.
+fn orders<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Error> {
+    let written = Vec::<i64>::deserialize(deserializer)?;
+    let order = |order: i64| {
+        let words = || D::Error::custom(format!("{order}: must be from 1 to {LARGEST_ORDER}"));
+        u32::try_from(order).map_err(|_| words())
+    };
+    written.into_iter().map(order).collect()
 }
 
 impl Operation {

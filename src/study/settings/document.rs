@@ -1,5 +1,6 @@
 //! A TOML text that knows the line of every key, so that every message can name it.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -18,6 +19,8 @@ pub struct Document<'t> {
     text: &'t str,
     root: DeTable<'t>,
     places: Vec<Place>,
+    /// Keys of sections that are taken out by themselves, as `section.key`: they are known where a message lists those that are.
+    taken: Vec<String>,
 }
 
 /// Where a key and its value stand in the text, in bytes.
@@ -48,6 +51,7 @@ impl<'t> Document<'t> {
             text,
             root: root.into_inner(),
             places,
+            taken: Vec::new(),
         })
     }
 
@@ -103,6 +107,7 @@ impl<'t> Document<'t> {
         section: &str,
         key: &str,
     ) -> Result<Option<T>, Error> {
+        self.taken.push(format!("{section}.{key}"));
         let removed = match self.root.get_mut(section).map(Spanned::get_mut) {
             Some(DeValue::Table(table)) => table.remove(key),
             _ => None,
@@ -197,13 +202,27 @@ impl<'t> Document<'t> {
         T::deserialize(ValueDeserializer::from(value)).map_err(|error| {
             let span = error.span().unwrap_or(whole);
             let key = self.key_around(&span).unwrap_or_default();
-            let message = in_words(&one_line(error.message()));
+            let mut message = in_words(&one_line(error.message()));
+            if message.contains("unknown field") {
+                message.extend(self.known_beside(&key));
+            }
             Error::Study {
                 path: self.path.clone(),
                 line: line_at(self.text, span.start),
                 message: format!("{key}: {message}"),
             }
         })
+    }
+
+    /// The keys of the section of `key` that are known though its type does not have them, as the end of a list.
+    fn known_beside(&self, key: &str) -> Vec<String> {
+        let section = key.rsplit_once('.').map_or("", |(section, _)| section);
+        let taken = self.taken.iter().filter_map(|taken| {
+            let (of, name) = taken.rsplit_once('.')?;
+            (of == section).then_some(name)
+        });
+        let names: BTreeSet<&str> = taken.collect();
+        names.iter().map(|name| format!(", `{name}`")).collect()
     }
 
     /// Dotted key whose value is the smallest that holds `span`.

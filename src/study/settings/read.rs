@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::document::{Document, before_name};
-use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
+use super::frequency::{FrequencySettings, FrequencyTable, PeakSetting, ascending_positive};
 use super::identified_inputs::IdentifiedInputs;
 use super::inputs::{Surroundings, design};
 use super::model::{ModelSettings, NO_POSITIONS, model};
@@ -446,6 +446,14 @@ fn fine_enough(
         let checked = blades.check_band(highest_hz);
         checked.map_err(|bad| bad.under("model"))?;
     }
+    let value = match frequency.peak {
+        PeakSetting::Highest => return Ok(frequency),
+        PeakSetting::All => "all".to_owned(),
+        PeakSetting::Mode(number) => number.to_string(),
+    };
+    let tuned = !matches!(model, ModelSettings::Cyclic(disk) if disk.blade_frequency_scatter > 0.0);
+    let rule = "must be \"highest\" with blade_frequency_scatter: the peak is the largest amplitude over all blades";
+    BadSetting::unless(tuned, "frequency.peak", value, rule)?;
     Ok(frequency)
 }
 

@@ -57,6 +57,25 @@ pub(crate) const DISK_REFUSED: &[Case] = &[
         &[":28: operation.engine_orders[0] = 0: must be a whole number >= 1"],
     ),
     (
+        "engine_orders = [3]",
+        "engine_orders = [-1]",
+        &[":28: operation.engine_orders: -1: must be from 1 to 100000"],
+    ),
+    (
+        "engine_orders = [3]",
+        "engine_orders = [5000000000]",
+        &[":28: operation.engine_orders: 5000000000: must be from 1 to 100000"],
+    ),
+    (
+        "sectors = 12",
+        "sectors = 12\nsectorz = 12",
+        &[
+            ":8: model.sectorz: unknown field `sectorz`",
+            "`blade_frequency_scatter`",
+            "`sectors`",
+        ],
+    ),
+    (
         "[operation]\nspeed_rpm = [1000, 2000]\nengine_orders = [3]\n",
         "",
         &[":1: operation = (absent): must be given: its engine_orders name the engine order"],

@@ -172,9 +172,9 @@ const UNUSUAL: [(&str, &str, &str); 7] = [
         "study.toml:21: model.contact[0].k_n = 1e15: is unusual: usual is 100 to 1e12",
     ),
     (
-        "[output]",
-        "[operation]\nspeed_rpm = [50, 60]\nengine_orders = [2]\n[output]",
-        "operation.speed_rpm = 50: is unusual: usual is 100 to 2e5",
+        "[frequency]",
+        "[operation]\nspeed_rpm = [50, 60]\nengine_orders = [2]\n[frequency]",
+        "study.toml:37: operation.speed_rpm = 50: is unusual: usual is 100 to 2e5",
     ),
     (
         "[frequency]",
