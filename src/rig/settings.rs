@@ -226,9 +226,9 @@ pub struct ResponseSettings {
     /// Study of kind "two-blade-strip", relative to the rig file: its structure, levels, band and solver. Its contact is
     /// replaced by that of the specimen, its random inputs are left out.
     pub study: PathBuf,
-    /// Standard deviation of a resonance frequency (Hz); [`FREQUENCY_DEVIATION_HZ`] if absent. Not with `step_sine`.
+    /// Standard deviation of a resonance frequency (Hz); 0.05 if absent. Not with `step_sine`.
     pub frequency_deviation_hz: Option<f64>,
-    /// Standard deviation of an amplitude over the amplitude (%); [`AMPLITUDE_DEVIATION_PERCENT`] if absent. Not with `step_sine`.
+    /// Standard deviation of an amplitude over the amplitude (%); 1 if absent. Not with `step_sine`.
     pub amplitude_deviation_percent: Option<f64>,
     /// Resonances are measured by force cell and vibrometer, step by step; absent, they have errors of the stated size.
     pub step_sine: Option<StepSineSettings>,

@@ -47,7 +47,7 @@ fn run(folder: &Path, engine_order: u32) -> StoredRun {
     StoredRun::read(folder).unwrap()
 }
 
-/// Seen to fail with a table whose headings are 3000 px wide.
+/// Seen to fail with paragraphs of 3000 px.
 #[test]
 fn a_disk_is_drawn_and_nothing_overflows() {
     let Some(browser) = browser() else { return };

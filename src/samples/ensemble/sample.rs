@@ -80,6 +80,10 @@ impl Ensemble<'_> {
         };
         let group = self.design.group(index);
         let (place, curve) = match subject {
+            // who wants no curves of samples waits for no verdict on the nominal ones
+            Subject::Nominal if self.curve_samples == 0 => {
+                (Vec::new(), Some(CurveStability::NotAssessed))
+            }
             Subject::Nominal => (Vec::new(), Some(CurveStability::Assessed)),
             // bands are of the population
             Subject::Sample(_) => (

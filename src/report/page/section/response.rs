@@ -116,7 +116,7 @@ fn stability_of_curves(view: &View) -> String {
     match assessed.len() {
         0 => String::new(),
         n => format!(
-            "Stability was assessed at {n} solutions along these curves; {n_unstable} of them are unstable. Between two solutions it may be another."
+            "Stability was assessed at {n} solutions along these curves; {n_unstable} of them are unstable. Between them it may change."
         ),
     }
 }

@@ -71,7 +71,7 @@ impl AnchorInverse<'_> {
 }
 
 /// The maximum of |ŷ| next to `prediction`, preconditioned by `anchor`; the highest one where another lies beside it, as
-/// [`highest_beside`] says.
+/// `search::highest_beside` says.
 ///
 /// # Errors
 /// The statuses of [`super::predicted::correct`]; [`Status::MaxIterations`], too, if the inverse is of no use for this sample or its

@@ -74,7 +74,7 @@ impl RefinementTarget {
     }
 }
 
-/// Raises the harmonics of the solution `found` of `balance` as far as the alert asks; of maxima side by side it is the highest ([`highest_beside`]).
+/// Raises the harmonics of the solution `found` of `balance` as far as the alert asks; of maxima side by side it is the highest (`search::highest_beside`).
 /// The first of `sets` has the harmonics of `balance`; without `sets` the solution stays as it is.
 ///
 /// If the solution cannot be found on larger sets it stays on the smaller one, with [`Status::TruncationAboveThreshold`].
