@@ -38,7 +38,6 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
 
 /// Levels whose curve is not known as a whole, which is no success for those who see warnings alone.
 fn stopped(curves: &[LevelCurve], unit: FrequencyUnit) -> Vec<String> {
-    let hertz = |omega: f64| format!("{:.6} {}", unit.of_rad_s(omega), unit.name());
     let of_curve = |curve: &LevelCurve| {
         let gap = curve
             .response
@@ -47,8 +46,8 @@ fn stopped(curves: &[LevelCurve], unit: FrequencyUnit) -> Vec<String> {
         Some(format!(
             "level {}: the response between {} and {} is not known",
             curve.level,
-            hertz(gap.below.omega),
-            hertz(gap.above.omega)
+            in_unit(gap.below.omega, unit),
+            in_unit(gap.above.omega, unit)
         ))
     };
     curves.iter().filter_map(of_curve).collect()
@@ -74,9 +73,13 @@ fn n_solved(curve: &LevelCurve) -> usize {
     solutions.filter(|s| s.status.has_solution()).count()
 }
 
+fn in_unit(omega: f64, unit: FrequencyUnit) -> String {
+    format!("{:.6} {}", unit.of_rad_s(omega), unit.name())
+}
+
 /// Number of points, where the response could not be followed, and the largest amplitude of the first response.
 fn show(out: &mut dyn Write, curve: &LevelCurve, unit: FrequencyUnit) -> std::io::Result<()> {
-    let hertz = |omega: f64| format!("{:.6} {}", unit.of_rad_s(omega), unit.name());
+    let hertz = |omega: f64| in_unit(omega, unit);
     let solutions = &curve.response.solutions;
     let n_solved = n_solved(curve);
     write!(

@@ -57,6 +57,9 @@ impl StepSineSettings {
     ) -> Step {
         let per_cycle = self.samples_per_cycle;
         let most = um_to_m(vibrometer.range_v * vibrometer.sensitivity_um_per_v);
+        let angle = |k: usize| TAU * k as f64 / per_cycle as f64;
+        let moved = |k: usize| displacement(harmonics, motion, angle(k));
+        let moved: Vec<f64> = (0..per_cycle).map(moved).collect();
         let mut out_of_range = 0;
         let mut mean_cycle = vec![0.0; per_cycle];
         let mut means = Vec::with_capacity(self.cycles);
@@ -64,10 +67,8 @@ impl StepSineSettings {
             let mut mean = 0.0;
             for (k, of_phase) in mean_cycle.iter_mut().enumerate() {
                 let time = (cycle * per_cycle + k) as f64 / (per_cycle as f64 * frequency_hz);
-                let theta = TAU * k as f64 / per_cycle as f64;
-                let seen = displacement(harmonics, motion, theta)
-                    + drift_m_per_s * time
-                    + um_to_m(vibrometer.noise_um) * noise.normal();
+                let seen =
+                    moved[k] + drift_m_per_s * time + um_to_m(vibrometer.noise_um) * noise.normal();
                 let seen = quantised(seen, um_to_m(vibrometer.resolution_um));
                 out_of_range += usize::from(seen.abs() > most);
                 let seen = seen.clamp(-most, most);
@@ -80,7 +81,7 @@ impl StepSineSettings {
         let ramp = (means[self.cycles - 1] - means[0]) / (self.cycles - 1) as f64;
         let level = |k: usize| mean_cycle[k] - ramp * k as f64 / per_cycle as f64;
         let part = |wave: fn(f64) -> f64| -> f64 {
-            let of_phase = |k: usize| level(k) * wave(TAU * k as f64 / per_cycle as f64);
+            let of_phase = |k: usize| level(k) * wave(angle(k));
             2.0 / per_cycle as f64 * (0..per_cycle).map(of_phase).sum::<f64>()
         };
         Step {
