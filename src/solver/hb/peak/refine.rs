@@ -21,6 +21,9 @@ use faer::prelude::c64;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+/// Largest change of ŷ by more harmonics at a fixed frequency, over |ŷ|: a solution farther away is another answer.
+const SAME_ANSWER: f64 = 0.5;
+
 /// What is held while harmonics are added.
 #[derive(Debug, Clone, Copy)]
 pub enum RefinementTarget {
@@ -225,8 +228,20 @@ impl<'p> Refinement<'_, '_, 'p> {
                 sharpness: at.found.sharpness,
             };
             let found = self.target.solved(larger, start, self.newton).ok()?;
-            Some(OnSet { set, found })
+            let found = OnSet { set, found };
+            self.is_same_answer(at, &found).then_some(found)
         })
+    }
+
+    /// Whether the solution on the `larger` set is that of the `smaller` one with more harmonics. At a fixed frequency next to a fold of the
+    /// branch Newton's method may find another one; a maximum may be any one on the branch.
+    fn is_same_answer(&self, smaller: &OnSet<'p>, larger: &OnSet<'p>) -> bool {
+        let response = |at: &OnSet<'p>| at.found.iterate.response(self.sets.balance(at.set));
+        let (before, after) = (response(smaller), response(larger));
+        match self.target {
+            RefinementTarget::Frequency => (after - before).norm() <= SAME_ANSWER * before.norm(),
+            RefinementTarget::Maximum(_) => true,
+        }
     }
 }
 
