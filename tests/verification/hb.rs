@@ -18,6 +18,7 @@ mod fold;
 mod free;
 mod invariants;
 mod jacobian;
+mod lumped_disk;
 mod maxima;
 mod mistuned;
 mod models;

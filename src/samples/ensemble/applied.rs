@@ -84,6 +84,14 @@ impl Ensemble<'_> {
 }
 
 impl Applied<'_> {
+    /// The same with contacts that begin as the study says, not with drawn tractions: all sectors of a tuned disk begin alike.
+    pub(super) fn without_tractions(self) -> Self {
+        Self {
+            tractions: None,
+            ..self
+        }
+    }
+
     /// The harmonic balance problem.
     pub(super) fn problem(&self, anchor: SliderAnchor) -> Result<Problem<'_>, ProblemError> {
         let mut problem =

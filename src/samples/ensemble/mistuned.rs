@@ -34,6 +34,7 @@ impl Ensemble<'_> {
     ) -> SampleResult {
         let begun = Instant::now();
         let solved = self.applied(inputs).and_then(|tuned| {
+            let tuned = tuned.without_tractions();
             let levels = self.applied_levels(&tuned);
             let deviations = self.deviations(of, inputs);
             let linear = of.ring.linear(&deviations);

@@ -43,7 +43,7 @@ pub enum Input {
     StripThickness,
     /// Number by which the tractions that all contacts begin with are drawn, each evenly within its friction limit at rest. They stay
     /// in part where a contact never slips through. `uniform` from 0 to 1; in place of `contact.anchor`; ends the mirror symmetry.
-    /// Not for a disk.
+    /// Not for a tuned disk.
     InitialTraction,
     /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
     #[schemars(skip)]

@@ -53,8 +53,9 @@ pub(super) const MOST_LEVELS: usize = 1000;
 const NO_STRIP: &str = "a model of kind \"matrices\" has no strip that could be meshed anew";
 /// Why a sector has neither thickness nor pressure as an input.
 const NOT_CYCLIC: &str = "a model of kind \"cyclic\" has no such input";
-/// Why a sector has no initial tractions of its own.
-const EVERY_GAP: &str = "every sector would begin with the same tractions, while those of a disk differ from gap to gap";
+/// Why a tuned disk has no initial tractions of its own.
+const EVERY_GAP: &str = "every sector would begin with the same tractions, while those of a disk differ from gap to gap; \
+     with model.blade_frequency_scatter they may";
 /// Why a punch and a field do not go together.
 const TWO_PRESSURES: &str =
     "the deviations of [pressure_field] are relative to model.pressure_weights, not to a punch";
@@ -289,7 +290,9 @@ impl Study {
         match (&self.model, only_of_rig(input)) {
             (ModelSettings::Matrices(_), Some(reason)) => return Some(reason.to_owned()),
             (ModelSettings::Cyclic(_), Some(_)) => return Some(NOT_CYCLIC.to_owned()),
-            (ModelSettings::Cyclic(_), None) if input == Input::InitialTraction => {
+            (ModelSettings::Cyclic(_), None)
+                if input == Input::InitialTraction && !self.is_mistuned() =>
+            {
                 return Some(EVERY_GAP.to_owned());
             }
             _ => {}

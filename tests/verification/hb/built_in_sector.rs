@@ -1,6 +1,7 @@
 //! The built-in sector of the rig against a ring of such sectors, which is assembled as an ordinary model.
 
-use super::disk::{distance, each, expanded, ring, sharp};
+use super::disk::{distance, expanded, sharp};
+use super::lumped_disk::{each, ring};
 use crate::response::at_frequencies;
 use crate::two_blade::{K_N, K_T};
 use microslip::hb::branch::sweep::SweepDirection;

@@ -1,6 +1,6 @@
 //! The compliance of the stuck structure against the structure itself.
 
-use super::disk::{contacts as disk_contacts, disk};
+use super::lumped_disk::{contacts as disk_contacts, disk};
 use super::models::short;
 use crate::two_blade::folded;
 use faer::prelude::c64;

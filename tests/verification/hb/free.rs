@@ -1,6 +1,6 @@
 //! The equations in free modes against those of the stuck structure.
 
-use super::disk::{contacts as of_sector, disk};
+use super::lumped_disk::{contacts as of_sector, disk};
 use super::models::{aft, space};
 use crate::two_blade::folded;
 use faer::Mat;

@@ -1,7 +1,8 @@
 //! Disturbances of a travelling wave: the sectors of a disk one after the other against the whole ring, an ordinary model whose
 //! disturbances are marched over a whole period, and against the march of the full equations of the ring.
 
-use super::super::disk::{contacts, disk, expanded, ring, sharp, uncoupled};
+use super::super::disk::{expanded, sharp};
+use super::super::lumped_disk::{contacts, disk, ring, uncoupled};
 use super::super::mistuned::{bladed, deviations, mistuned_ring};
 use super::disturbed::compare as against_the_march;
 use super::raised;
