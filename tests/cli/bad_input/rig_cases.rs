@@ -57,6 +57,16 @@ pub(crate) const RIG_REFUSED: &[Case] = &[
     ),
     (
         "contact_nodes = [3, 5]",
+        "strip_youngs_modulus_gpa = 0",
+        &[":6: model.strip_youngs_modulus_gpa = 0: must be from 0.001 to 10000"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "strip_density_kg_m3 = 1e9",
+        &[":6: model.strip_density_kg_m3 = 1e9: must be from 1 to 1e8"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
         "airfoil_mm = [4.6, 25.2, 1e-300]",
         &[":6: model.airfoil_mm = 1e-300: must be from 0.001 to 10000"],
     ),

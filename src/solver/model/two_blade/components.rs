@@ -25,6 +25,7 @@ pub(super) struct Layout {
     blade_element: [f64; 3],
     strip_element: f64,
     material: Material,
+    strip_material: Material,
 }
 
 /// One step of the contact grid along one axis, by Gauss' rule: the steps are as wide as its weights, and each has one of
@@ -54,6 +55,12 @@ impl Layout {
         let (platform, strip) = (metres(settings.platform_mm), metres(settings.strip_mm));
         let gap = mm_to_m(settings.gap_mm);
         let [n_across, n_along] = settings.contact_nodes;
+        let material = |gpa: f64, density: f64| Material {
+            youngs_modulus: gpa * 1e9,
+            poisson_ratio: settings.poisson_ratio,
+            density,
+        };
+        let (strip_modulus, strip_density) = settings.strip_material();
         Ok(Self {
             neck: metres(settings.neck_mm),
             airfoil: metres(settings.airfoil_mm),
@@ -66,11 +73,8 @@ impl Layout {
             gap,
             blade_element: metres(settings.blade_element_mm),
             strip_element: mm_to_m(settings.strip_element_mm),
-            material: Material {
-                youngs_modulus: settings.youngs_modulus_gpa * 1e9,
-                poisson_ratio: settings.poisson_ratio,
-                density: settings.density_kg_m3,
-            },
+            material: material(settings.youngs_modulus_gpa, settings.density_kg_m3),
+            strip_material: material(strip_modulus, strip_density),
         })
     }
 
@@ -199,7 +203,9 @@ impl Layout {
             grid_lines(&along, self.strip_element),
             vec![body.min[2], body.max[2]],
         ];
-        FeModel::new(tensor_mesh(&lines, &[body]), &self.material, |_| false)
+        FeModel::new(tensor_mesh(&lines, &[body]), &self.strip_material, |_| {
+            false
+        })
     }
 }
 

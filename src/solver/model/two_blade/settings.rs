@@ -8,6 +8,8 @@ const LENGTH_MM: [f64; 2] = [1e-3, 1e4];
 const YOUNGS_MODULUS_GPA: [f64; 2] = [1e-3, 1e4];
 /// Densities from foam to beyond osmium (kg/m³).
 const DENSITY_KG_M3: [f64; 2] = [1.0, 1e5];
+/// Densities of a strip, with what moves with it (kg/m³): a punch weighs a hundred times as much as a thin strip.
+const STRIP_DENSITY_KG_M3: [f64; 2] = [1.0, 1e8];
 /// Damping ratios: 1 is critical.
 const DAMPING_RATIO: [f64; 2] = [0.0, 1.0];
 /// Loads on a strip (N).
@@ -72,15 +74,21 @@ pub struct TwoBladeSettings {
     #[serde(deserialize_with = "crate::setting::exactly")]
     #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
     pub strip_mm: [f64; 3],
-    /// Young's modulus of blades and strip (GPa).
+    /// Young's modulus of the blades, and of a strip without its own (GPa).
     #[schemars(range(min = YOUNGS_MODULUS_GPA[0], max = YOUNGS_MODULUS_GPA[1]))]
     pub youngs_modulus_gpa: f64,
     /// Poisson's ratio.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson_ratio: f64,
-    /// Density (kg/m³).
+    /// Density of the blades, and of a strip without its own (kg/m³).
     #[schemars(range(min = DENSITY_KG_M3[0], max = DENSITY_KG_M3[1]))]
     pub density_kg_m3: f64,
+    /// Young's modulus of the strip (GPa); that of the blades if absent.
+    #[schemars(range(min = YOUNGS_MODULUS_GPA[0], max = YOUNGS_MODULUS_GPA[1]))]
+    pub strip_youngs_modulus_gpa: Option<f64>,
+    /// Density of the strip, with what moves with it (kg/m³); that of the blades if absent. It changes no load.
+    #[schemars(range(min = STRIP_DENSITY_KG_M3[0], max = STRIP_DENSITY_KG_M3[1]))]
+    pub strip_density_kg_m3: Option<f64>,
     /// Contact nodes per interface, [across the gap, along it]: points of Gauss' rule, each with a patch around it. At least two along the
     /// gap; one across it holds no moment about the gap.
     #[serde(deserialize_with = "crate::setting::exactly")]
@@ -146,6 +154,8 @@ impl Default for TwoBladeSettings {
             youngs_modulus_gpa: 210.0,
             poisson_ratio: 0.3,
             density_kg_m3: 7850.0,
+            strip_youngs_modulus_gpa: None,
+            strip_density_kg_m3: None,
             contact_nodes: [5, 3],
             blade_element_mm: [5.0, 12.5, 5.0],
             strip_element_mm: 5.0,
@@ -197,8 +207,24 @@ impl TwoBladeSettings {
             ),
             ("centrifugal_load_n", self.centrifugal_load_n, USUAL_LOAD_N),
         ];
-        let found = values.map(|(key, value, usual)| unusual(key, value, usual));
-        found.into_iter().flatten().collect()
+        let of_strip = [
+            (
+                "strip_youngs_modulus_gpa",
+                self.strip_youngs_modulus_gpa,
+                USUAL_YOUNGS_MODULUS_GPA,
+            ),
+            (
+                "strip_density_kg_m3",
+                self.strip_density_kg_m3,
+                USUAL_DENSITY_KG_M3,
+            ),
+        ];
+        let given = of_strip
+            .into_iter()
+            .filter_map(|(key, value, usual)| Some((key, value?, usual)));
+        let found = (values.into_iter().chain(given))
+            .filter_map(|(key, value, usual)| unusual(key, value, usual));
+        found.collect()
     }
 
     fn validate_geometry(&self) -> Result<(), BadSetting> {
@@ -340,6 +366,10 @@ impl TwoBladeSettings {
             YOUNGS_MODULUS_GPA,
         )?;
         within("density_kg_m3", self.density_kg_m3, DENSITY_KG_M3)?;
+        let (key, modulus) = ("strip_youngs_modulus_gpa", self.strip_youngs_modulus_gpa);
+        modulus.map_or(Ok(()), |gpa| within(key, gpa, YOUNGS_MODULUS_GPA))?;
+        let (key, density) = ("strip_density_kg_m3", self.strip_density_kg_m3);
+        density.map_or(Ok(()), |rho| within(key, rho, STRIP_DENSITY_KG_M3))?;
         BadSetting::unless(
             self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5,
             "poisson_ratio",
@@ -394,6 +424,16 @@ impl TwoBladeSettings {
             centrifugal_load_n: self.centrifugal_load_n * (thickness_mm / nominal_mm),
             ..self.clone()
         }
+    }
+
+    /// Young's modulus (GPa) and density (kg/m³) of the strip.
+    #[must_use]
+    pub fn strip_material(&self) -> (f64, f64) {
+        (
+            self.strip_youngs_modulus_gpa
+                .unwrap_or(self.youngs_modulus_gpa),
+            self.strip_density_kg_m3.unwrap_or(self.density_kg_m3),
+        )
     }
 
     /// Width of the strip under one platform (mm).
