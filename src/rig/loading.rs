@@ -6,7 +6,7 @@
 use super::air::AirSettings;
 use super::settings::StripSettings;
 use crate::model::ModelError;
-use crate::model::two_blade::{InterfaceCell, interface_cells};
+use crate::model::two_blade::{InterfaceCell, TwoBladeSettings, interface_cells};
 use crate::record::{PressureCell, PressureMap};
 use crate::setting::{BadSetting, non_negative, positive};
 use crate::units::STANDARD_GRAVITY;
@@ -103,6 +103,28 @@ impl Loading {
             Self::Air(air) => air_map(air, strip, cells),
             Self::Punch(punch) => Ok(punch_map(punch, cells)),
         }
+    }
+
+    /// Two blades whose strip is pressed so: by the load on every contact pair, and with what a punch adds to the mass of the strip and to
+    /// its stiffness across the gap.
+    ///
+    /// # Errors
+    /// [`ModelError`] on a strip that breaks a rule, or that this cannot press.
+    pub fn pressed(&self, blades: &TwoBladeSettings) -> Result<TwoBladeSettings, ModelError> {
+        let strip = StripSettings::of(blades);
+        let loads = self.map(&strip)?.loads;
+        let (mass, stiffness) = self.added();
+        let heavier = 1.0 + mass / strip.mass();
+        let stiffer = 1.0 + stiffness / strip.stiffness_between_blades();
+        Ok(TwoBladeSettings {
+            centrifugal_load_n: 2.0 * loads.iter().sum::<f64>(),
+            pressure_weights: Some([&loads[..], &loads[..]].concat()),
+            strip_density_kg_m3: Some(heavier * strip.density_kg_m3),
+            strip_youngs_modulus_gpa: Some(stiffer * strip.youngs_modulus_gpa),
+            // the same modes of the strip
+            strip_cut_off_hz: (stiffer / heavier).sqrt() * blades.strip_cut_off_hz,
+            ..blades.clone()
+        })
     }
 
     /// Standard deviation of the load over its mean, and its time constant (s).

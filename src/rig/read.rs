@@ -7,7 +7,7 @@ use super::blade::BladeSettings;
 use super::chain::{CellSettings, VibrometerSettings};
 use super::excitation::Excitation;
 use super::loading::{Loading, PunchSettings};
-use super::settings::{ContactTruth, ResponseSettings, StripSettings};
+use super::settings::{ContactTruth, PressedBy, ResponseSettings, StripSettings};
 use super::support::SupportSettings;
 use crate::Error;
 use crate::setting::BadSetting;
@@ -131,10 +131,15 @@ impl Rig {
             return Ok(None);
         };
         let study = Study::read(&self.folder().join(&settings.study))?;
-        let blades = matches!(study.model, ModelSettings::TwoBladeStrip { .. });
-        let rule = "must be \"two-blade-strip\" for a virtual rig";
-        let kind = BadSetting::unless(blades, "model.kind", study.model.kind(), rule);
-        kind.map_err(|bad| study.bad_setting(&bad))?;
+        let ModelSettings::TwoBladeStrip { blades, .. } = &study.model else {
+            let rule = "must be \"two-blade-strip\" for a virtual rig";
+            let kind = BadSetting::new("model.kind", study.model.kind(), rule);
+            return Err(study.bad_setting(&kind));
+        };
+        if settings.pressed_by == PressedBy::Loading {
+            let pressed = self.loading.validate(&StripSettings::of(blades));
+            document.checked(pressed.map_err(|bad| bad.under("loading")))?;
+        }
         let checked = settings.check_band(rad_s_to_hz(study.frequency.band[0]));
         document.checked(checked.map_err(|bad| bad.under("response")))?;
         Ok(Some(study))

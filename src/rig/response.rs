@@ -4,7 +4,7 @@
 use super::chain::{Calibration, DEVIATIONS_OF_LIMIT};
 use super::noise::{Noise, Purpose};
 use super::read::Rig;
-use super::settings::{ResponseSettings, StepSineSettings};
+use super::settings::{PressedBy, ResponseSettings, StepSineSettings};
 use super::step_sine::{Step, fitted_peak, largest_step};
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
@@ -26,6 +26,8 @@ pub struct MeasuredResonance {
     pub level: f64,
     /// Amplitude of the force that acts (N).
     pub force_n: f64,
+    /// Static load that presses the strip on both blades (N).
+    pub strip_load_n: f64,
     /// How the search for the peak ended.
     pub status: &'static str,
     /// The peak, if found.
@@ -72,21 +74,9 @@ impl Rig {
         &self,
         settings: &ResponseSettings,
         index: u64,
-        mut study: Study,
+        study: Study,
     ) -> Result<Vec<MeasuredResonance>, Error> {
-        let truth = self.specimen(index);
-        if let ModelSettings::TwoBladeStrip { interface, .. } = &mut study.model {
-            interface.friction_coefficient = truth.friction_coefficient;
-            interface.tangential_stiffness =
-                n_per_um_to_n_per_m(truth.tangential_stiffness_n_per_um);
-            interface.normal_stiffness = n_per_um_to_n_per_m(truth.normal_stiffness_n_per_um);
-        }
-        let without_inputs = DesignSettings {
-            samples: Some(1),
-            ..DesignSettings::default()
-        };
-        study.design = (without_inputs.build()).map_err(|bad| study.bad_setting(&bad))?;
-        study.output.curve_samples = 0;
+        let (mut study, strip_load_n) = self.study_of(settings, index, study)?;
         let stated = study.levels.clone();
         let gain = match settings.step_sine {
             None => 1.0,
@@ -115,12 +105,44 @@ impl Rig {
                 specimen: index,
                 level: stated,
                 force_n: level.level,
+                strip_load_n,
                 status: status(level, peak.is_some()),
                 peak,
                 steps,
             });
         }
         Ok(measured)
+    }
+
+    /// The study with the contact of a specimen, the load that presses its strip, and neither inputs nor curves; and that load (N).
+    fn study_of(
+        &self,
+        settings: &ResponseSettings,
+        index: u64,
+        mut study: Study,
+    ) -> Result<(Study, f64), Error> {
+        let truth = self.specimen(index);
+        let mut strip_load_n = 0.0;
+        if let ModelSettings::TwoBladeStrip {
+            interface, blades, ..
+        } = &mut study.model
+        {
+            if settings.pressed_by == PressedBy::Loading {
+                *blades = self.loading.pressed(blades)?;
+            }
+            strip_load_n = blades.centrifugal_load_n;
+            interface.friction_coefficient = truth.friction_coefficient;
+            interface.tangential_stiffness =
+                n_per_um_to_n_per_m(truth.tangential_stiffness_n_per_um);
+            interface.normal_stiffness = n_per_um_to_n_per_m(truth.normal_stiffness_n_per_um);
+        }
+        let without_inputs = DesignSettings {
+            samples: Some(1),
+            ..DesignSettings::default()
+        };
+        study.design = (without_inputs.build()).map_err(|bad| study.bad_setting(&bad))?;
+        study.output.curve_samples = 0;
+        Ok((study, strip_load_n))
     }
 
     /// Gain of the cell that measures the force on the blades.

@@ -87,6 +87,17 @@ impl ContactTruth {
     }
 }
 
+/// What presses the strip of configuration b.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PressedBy {
+    /// The centrifugal load of the study, with its `pressure_weights`.
+    #[default]
+    Study,
+    /// That of `[loading]`, as in configuration a; a punch adds its mass and stiffness to the strip.
+    Loading,
+}
+
 /// The strip; names and defaults are those of `[model]` in a study file.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -123,6 +134,20 @@ impl Default for StripSettings {
 }
 
 impl StripSettings {
+    /// The strip of two blades.
+    #[must_use]
+    pub fn of(blades: &TwoBladeSettings) -> Self {
+        let (youngs_modulus_gpa, density_kg_m3) = blades.strip_material();
+        Self {
+            strip_mm: blades.strip_mm,
+            gap_mm: blades.gap_mm,
+            contact_nodes: blades.contact_nodes,
+            youngs_modulus_gpa,
+            density_kg_m3,
+            loss_at_1_khz: 2.0 * blades.strip_damping_ratio,
+        }
+    }
+
     /// The two-blade rig with this strip.
     #[must_use]
     pub fn model(&self) -> TwoBladeSettings {
@@ -151,19 +176,34 @@ impl StripSettings {
         self.model().strip_overlap_mm()
     }
 
+    /// Mass (kg).
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        let volume: f64 = self.strip_mm.iter().map(|side| side * 1e-3).product();
+        self.density_kg_m3 * volume
+    }
+
     /// Mass of the strip's half that moves with the contact (kg); the other is held by the box.
     #[must_use]
     pub fn moving_mass(&self) -> f64 {
-        let volume: f64 = self.strip_mm.iter().map(|side| side * 1e-3).product();
-        0.5 * self.density_kg_m3 * volume
+        0.5 * self.mass()
     }
 
     /// Stiffness between the middle of the contact and the box (N/m): E l t over gap and half of the overlap.
     #[must_use]
     pub fn axial_stiffness(&self) -> f64 {
+        self.stiffness_over(self.gap_mm + 0.5 * self.overlap_mm())
+    }
+
+    /// Stiffness between the middles of the contacts with two blades (N/m): E l t over gap and overlap.
+    #[must_use]
+    pub fn stiffness_between_blades(&self) -> f64 {
+        self.stiffness_over(self.gap_mm + self.overlap_mm())
+    }
+
+    fn stiffness_over(&self, free_mm: f64) -> f64 {
         let [_, length, thickness] = self.strip_mm;
-        let free = self.gap_mm + 0.5 * self.overlap_mm();
-        self.youngs_modulus_gpa * 1e9 * length * thickness / free * 1e-3
+        self.youngs_modulus_gpa * 1e9 * length * thickness / free_mm * 1e-3
     }
 }
 
@@ -226,6 +266,9 @@ pub struct ResponseSettings {
     /// Study of kind "two-blade-strip", relative to the rig file: its structure, levels, band and solver. Its contact is
     /// replaced by that of the specimen, its random inputs are left out.
     pub study: PathBuf,
+    /// What presses the strip.
+    #[serde(default)]
+    pub pressed_by: PressedBy,
     /// Standard deviation of a resonance frequency (Hz); 0.05 if absent. Not with `step_sine`.
     pub frequency_deviation_hz: Option<f64>,
     /// Standard deviation of an amplitude over the amplitude (%); 1 if absent. Not with `step_sine`.

@@ -13,3 +13,8 @@ for study in box measured punched; do
     "$microslip" run "$study.toml"
 done
 "$microslip" calibrate box.toml --measured results/tests-air/response-0001.csv --output results/calibrated
+# resonances of two blades: what they say of four inputs, and what presses the strip
+for rig in two-blades two-blades-air two-blades-punch; do
+    "$microslip" rig "$rig.toml" --output "results/$rig"
+done
+"$microslip" calibrate four-inputs.toml --measured results/two-blades/response-0001.csv --output results/calibrated-four

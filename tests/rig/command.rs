@@ -370,7 +370,14 @@ fn an_instrument_at_the_end_of_its_range_is_a_warning() {
 /// The shipped rigs are valid.
 #[test]
 fn shipped_rigs_are_valid() {
-    for name in ["air", "punch", "around-resonance"] {
+    for name in [
+        "air",
+        "punch",
+        "around-resonance",
+        "two-blades",
+        "two-blades-air",
+        "two-blades-punch",
+    ] {
         let path = format!("studies/rig-to-margin/{name}.toml");
         Rig::read(Path::new(&path)).unwrap();
     }

@@ -1,6 +1,7 @@
 //! Pressure maps against the published figures.
 
 use super::rig;
+use microslip::model::two_blade::{TwoBladeSettings, build};
 
 /// Published: mean 0.28 MPa, about 77 % of the area within ±10 %, at 0.75 MPa and 0.1 mm.
 ///
@@ -60,4 +61,50 @@ fn a_punch_presses_its_edges_above_its_mean() {
         map.pressure
     );
     assert!(map.pressure.within_tenth < 0.5, "{:?}", map.pressure);
+}
+
+/// Two blades feel the load of every contact cell on both sides of the gap; a punch is carried by the strip. Seen to fail with the load of one
+/// side.
+#[test]
+fn what_presses_two_blades_is_the_load_of_both_sides() {
+    let blades = TwoBladeSettings {
+        contact_nodes: [2, 3],
+        blade_element_mm: [15.0, 25.0, 25.0],
+        ..TwoBladeSettings::default()
+    };
+    let strip = 7850.0 * 0.010 * 0.050 * 0.0004;
+    let air = rig("name = \"a\"\n[loading]\nkind = \"air\"");
+    let punch = rig("name = \"p\"\n[loading]\nkind = \"punch\"");
+    for (rig, load, mass, stiffer) in [
+        // of a finer grid
+        (&air, 131.6, strip, 1.0),
+        // over E l t between the middles of the contacts, 5.3 mm apart
+        (
+            &punch,
+            20.0 * 9.80665,
+            strip + 0.05,
+            1.0 + 50e6 / (210e9 * 0.05 * 0.4 / 5.3),
+        ),
+    ] {
+        let pressed = rig.loading.pressed(&blades).unwrap();
+        let ratio = pressed.centrifugal_load_n / load;
+        assert!(
+            (ratio - 1.0).abs() < 2e-2,
+            "{} N",
+            pressed.centrifugal_load_n
+        );
+        let model = build(&pressed).unwrap();
+        assert!(
+            (model.strip.mass[2] / mass - 1.0).abs() < 1e-9,
+            "{:?}",
+            model.strip.mass
+        );
+        let modulus = pressed.strip_youngs_modulus_gpa.unwrap();
+        assert!((modulus / 210.0 / stiffer - 1.0).abs() < 1e-12, "{modulus}");
+        let weights = pressed.pressure_weights.unwrap();
+        let [left, right] = [&weights[..6], &weights[6..]];
+        assert_eq!(left, right);
+        let load: f64 = weights.iter().sum();
+        assert!((load / pressed.centrifugal_load_n - 1.0).abs() < 1e-12);
+    }
 }

@@ -1,6 +1,7 @@
 //! Configuration b of the virtual rig: the resonances of two blades, as a user measures them.
 
 use super::command::{RIG, run};
+use microslip::model::two_blade::TwoBladeSettings;
 use microslip::record::read_response;
 use microslip::rig::Rig;
 
@@ -136,5 +137,69 @@ fn resonances_are_those_of_the_study_with_the_true_contact() {
     assert!(
         (peak.frequency_hz - peak.true_frequency_hz).abs() < 5.0 * 0.05,
         "{peak:?}"
+    );
+}
+
+/// In configuration b the strip is pressed as the file says: by the load of the study, or by that of `[loading]`, which is then the same as if the
+/// study had it. Seen to fail with the load of the study in both.
+#[test]
+fn what_presses_the_strip_of_two_blades_is_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rig.toml");
+    let write = |study: &str| std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let study = coarse_study();
+    write(&study);
+    let rig = |kind: &str, more: &str| {
+        let text = RIG.replace("specimens = 2", "specimens = 1");
+        let text = text.replace("\"air\"", kind);
+        let text = format!("{text}\n[response]\nstudy = \"study.toml\"\n{more}");
+        Rig::parse(&path, &text).unwrap()
+    };
+    let peak = |rig: &Rig, load: f64| {
+        let resonance = &rig.resonances().unwrap()[0];
+        assert!(
+            (resonance.strip_load_n / load - 1.0).abs() < 0.03,
+            "{resonance:?}"
+        );
+        let peak = resonance.peak.unwrap();
+        [peak.true_frequency_hz, peak.true_amplitude_um]
+    };
+    let by_study = peak(&rig("\"air\"", ""), 180.0);
+    let [air, punch] = ["\"air\"", "\"punch\""].map(|kind| rig(kind, "pressed_by = \"loading\""));
+    let (by_air, by_punch) = (peak(&air, 131.6), peak(&punch, 196.1));
+    println!("{by_study:?} {by_air:?} {by_punch:?}");
+    let apart = |a: [f64; 2], b: [f64; 2]| (a[1] / b[1] - 1.0).abs();
+    assert!(apart(by_study, by_air) > 0.01 && apart(by_air, by_punch) > 0.01);
+    let blades = TwoBladeSettings {
+        contact_nodes: [2, 2],
+        ..TwoBladeSettings::default()
+    };
+    let pressed = air.loading.pressed(&blades).unwrap();
+    let load = format!(
+        "contact_nodes = [2, 2]\ncentrifugal_load_n = {}\npressure_weights = {:?}",
+        pressed.centrifugal_load_n,
+        pressed.pressure_weights.unwrap()
+    );
+    write(&study.replace("contact_nodes = [2, 2]", &load));
+    let by_study = peak(&rig("\"air\"", ""), 131.6);
+    for (ours, theirs) in by_study.iter().zip(by_air) {
+        assert!((ours / theirs - 1.0).abs() < 1e-9, "{ours} {theirs}");
+    }
+}
+
+/// A load that the strip of the study cannot take is refused where it is asked for. Seen to fail without the check.
+#[test]
+fn a_load_that_does_not_fit_the_strip_of_the_study_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let narrow = "contact_nodes = [2, 2]\nstrip_mm = [2.0, 50.0, 0.4]";
+    let study = coarse_study().replace("contact_nodes = [2, 2]", narrow);
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let keys = "study = \"study.toml\"\npressed_by = \"loading\"";
+    let output = run(folder.path(), &format!("{RIG}[response]\n{keys}\n"), &[]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        error.contains("rig.toml:8: loading.margin_mm = 1: must be below"),
+        "{error}"
     );
 }
