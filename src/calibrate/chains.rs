@@ -7,6 +7,7 @@ use super::posterior::Posterior;
 use super::settings::CalibrationSettings;
 use crate::sampling::stream::{CALIBRATION, uniform};
 use crate::special::normal_quantile;
+use libm::log;
 use rand::SeedableRng;
 use rand_chacha::ChaCha20Rng;
 use rayon::prelude::*;
@@ -20,6 +21,8 @@ pub struct Chains {
     pub divergences: usize,
 }
 
+/// Draws of the prior among which the starts are chosen.
+const CANDIDATES: u64 = 20_000;
 /// Largest distance of a start from the median of the prior, in standard deviations: farther out a surrogate may mean nothing.
 const FARTHEST_START: f64 = 2.0;
 
@@ -27,12 +30,14 @@ impl Chains {
     /// Draws from `posterior`.
     ///
     /// # Errors
-    /// If the density is not finite where a chain starts.
+    /// If the density is finite nowhere that chains could start.
     pub fn draw(posterior: &Posterior<'_>, settings: &CalibrationSettings) -> Result<Self, String> {
-        let chains = 0..settings.chains as u64;
-        let all = chains
-            .into_par_iter()
-            .map(|chain| one(posterior, settings, chain));
+        let starts = starts(posterior, settings);
+        if starts.len() < settings.chains {
+            return Err("the density of the posterior is finite almost nowhere".to_owned());
+        }
+        let chains = (starts.into_par_iter()).enumerate();
+        let all = chains.map(|(chain, start)| one(posterior, settings, chain, start));
         let all: Vec<_> = all.collect::<Result<_, _>>()?;
         let (positions, divergences): (Vec<_>, Vec<usize>) = all.into_iter().unzip();
         Ok(Self {
@@ -57,17 +62,17 @@ impl Chains {
 fn one(
     posterior: &Posterior<'_>,
     settings: &CalibrationSettings,
-    chain: u64,
+    chain: usize,
+    start: Vec<f64>,
 ) -> Result<(Vec<Vec<f64>>, usize), String> {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&settings.seed.to_le_bytes());
     // apart from the numbers of samples, which have the rest of the key 0
     key[8] = 1;
     let mut generator = ChaCha20Rng::from_seed(key);
-    generator.set_stream(chain);
+    generator.set_stream(chain as u64);
     let density =
         |position: &[f64], gradient: &mut [f64]| posterior.log_density(position, gradient);
-    let start = start(posterior, settings.seed, chain);
     let sampler = Chain::start(&density, start, generator);
     let mut sampler = sampler.ok_or_else(|| {
         format!("the density of the posterior is not finite where chain {chain} starts")
@@ -82,13 +87,27 @@ fn one(
     Ok((positions, divergences))
 }
 
-/// A draw of the prior, so that chains begin farther apart than they end; standard deviations begin at their scales.
-fn start(posterior: &Posterior<'_>, seed: u64, chain: u64) -> Vec<f64> {
-    let scores = (CALIBRATION..).take(posterior.scores()).map(|dimension| {
-        let z = normal_quantile(uniform(seed, chain, dimension));
-        z.clamp(-FARTHEST_START, FARTHEST_START)
-    });
-    let mut start: Vec<f64> = scores.collect();
-    start.resize(posterior.dimension(), 0.0);
-    start
+/// Where chains start: draws of the prior, taken without replacement by their likelihood. So a mode of the posterior has chains by its weight,
+/// not by the region from which a path falls into it. Standard deviations begin at their scales.
+///
+/// Source: Efraimidis & Spirakis 2006, Inf. Process. Lett. 97, 181–185, in logarithms.
+fn starts(posterior: &Posterior<'_>, settings: &CalibrationSettings) -> Vec<Vec<f64>> {
+    let scores = posterior.scores();
+    let draw = |index: u64| {
+        let number = |dimension| uniform(settings.seed, index, dimension);
+        let z =
+            |dimension| normal_quantile(number(dimension)).clamp(-FARTHEST_START, FARTHEST_START);
+        let mut start: Vec<f64> = (CALIBRATION..).take(scores).map(z).collect();
+        let prior = -0.5 * start.iter().map(|z| z * z).sum::<f64>();
+        start.resize(posterior.dimension(), 0.0);
+        let mut gradient = vec![0.0; start.len()];
+        let likelihood = posterior.log_density(&start, &mut gradient) - prior;
+        let drawn = CALIBRATION + scores as u32;
+        (likelihood - log(-log(number(drawn))), start)
+    };
+    let mut drawn: Vec<(f64, Vec<f64>)> = (0..CANDIDATES).into_par_iter().map(draw).collect();
+    drawn.retain(|(key, _)| key.is_finite());
+    drawn.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let taken = drawn.into_iter().take(settings.chains);
+    taken.map(|(_, start)| start).collect()
 }

@@ -142,7 +142,7 @@ fn observations(drawn: &Drawn<'_>) -> Vec<Checked> {
 
 /// Draws of the prior, with every unknown standard deviation at its scale.
 fn prior_positions(posterior: &Posterior<'_>, seed: u64) -> Vec<Vec<f64>> {
-    // the first draws are those where chains start
+    // the first draws are those where chains may start
     let first = 1_u64 << 32;
     let position = |i: u64| {
         let scores = (CALIBRATION..).take(posterior.scores());

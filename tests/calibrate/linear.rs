@@ -91,6 +91,26 @@ fn the_posterior_of_a_linear_response_is_the_closed_form() {
     }
 }
 
+/// A second combination of inputs that explains the measurement far less well gets no draws, although a path that begins beside it stays there: the
+/// frequency knows the size of an input, and the amplitude its sign, by six deviations. Seen to fail with starts that are drawn from the prior alone.
+#[test]
+fn a_mode_without_weight_has_no_draws() {
+    let (prior, design) = normal_prior(0.0);
+    let fitted = surrogates(&prior, &design, |x| {
+        let z = (x[0] - 1.0) / 0.1;
+        [100.0 + z * z, 0.1 * z + 0.01 * x[1]]
+    });
+    let data = observed([102.25, 0.17], [0.05, 0.05]);
+    let posterior = Posterior::new(&prior, &fitted, &data, Discrepancy::default());
+    for seed in 0..5 {
+        let asked = CalibrationSettings { seed, ..settings() };
+        let chains = Chains::draw(&posterior, &asked).unwrap();
+        let draws = chains.each(|position| position[0]);
+        let negative = draws.concat().iter().filter(|z| **z < 0.0).count();
+        assert_eq!(negative, 0, "seed {seed}: of {}", draws.concat().len());
+    }
+}
+
 /// The gradient is that of the density, with unknown standard deviations of all kinds.
 ///
 /// Seen to fail with the normalisation of the variance left out of the gradient.

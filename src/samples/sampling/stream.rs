@@ -29,7 +29,7 @@ pub(super) const SCRAMBLE: u32 = 2 << 16;
 pub(super) const OUTER: u32 = 3 << 16;
 /// First dimension of the points at which a surrogate is evaluated.
 pub const SURROGATE: u32 = 4 << 16;
-/// First dimension of the places where the chains of a calibration start; the sample is the chain.
+/// First dimension of the places where the chains of a calibration may start; the sample is the place.
 pub const CALIBRATION: u32 = 5 << 16;
 /// First dimension of the initial tractions of a contact pair, the sample; the seed are the bits of the input.
 pub const INITIAL_TRACTION: u32 = 6 << 16;
