@@ -1,6 +1,8 @@
 //! The measuring chain: each of its errors is there, and of its size.
 
 use super::{STEADY_AIR, exact, first_test, rig};
+use microslip::identify::{IdentifySettings, identify_test};
+use microslip::rig::VirtualTest;
 
 const SHORT: &str = "[excitation]\nfrequencies_hz = [50]\ncycles = 4\nrun_in_cycles = 1";
 
@@ -160,4 +162,33 @@ fn specimens_scatter_as_stated() {
     let product: f64 = logs.iter().map(|l| l[0] * l[1]).sum::<f64>() / 2000.0;
     assert!(product.abs() < 0.1 * 0.1 * 0.3, "correlated: {product}");
     assert_eq!(rig(&text(3)).specimen(2), many.specimen(2));
+}
+
+/// A force cell at the end of its range is told, with its value; one that is not, values that noise moves less than a step, and exact plateaus are
+/// no such thing. Seen to fail with the program before, which said nothing.
+#[test]
+fn an_instrument_at_the_end_of_its_range_is_told() {
+    let excitation = "[excitation]\nfrequencies_hz = [50]\ncycles = 12\n";
+    let cells =
+        |keys: &str| format!("name = \"a\"\n{STEADY_AIR}{excitation}[force_cells]\n{keys}\n");
+    let told = |test: &VirtualTest| {
+        let result = identify_test(&test.record, &IdentifySettings::default());
+        let mut notes = result.notes.into_iter();
+        notes.find(|note| note.contains("end of its range"))
+    };
+    // T has plateaus at 39 N, N is 66 N
+    let clipped = told(&first_test(&rig(&cells("range_n = 35"))));
+    let clipped = clipped.expect("a note");
+    println!("{clipped}");
+    let said = "the tangential force stays at";
+    assert!(
+        clipped.starts_with(said) && clipped.contains("35 N in "),
+        "{clipped}"
+    );
+    assert_eq!(told(&first_test(&rig(&cells("")))), None, "noise");
+    let steps = "resolution_um = 0.2\nnoise_um = 0.02";
+    let coarse = format!("{}[vibrometer]\n{steps}\n", cells(""));
+    assert_eq!(told(&first_test(&rig(&coarse))), None, "steps");
+    let plateaus = exact(&format!("{STEADY_AIR}{excitation}"));
+    assert_eq!(told(&first_test(&plateaus)), None, "exact plateaus");
 }

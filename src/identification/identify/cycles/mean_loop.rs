@@ -150,7 +150,7 @@ pub(in crate::identify) fn median(values: &mut [f64]) -> Option<f64> {
 }
 
 /// Standard deviation of normal values over their median absolute deviation.
-pub(super) const OF_MEDIAN_DEVIATION: f64 = 1.482_602_218_505_602;
+pub(in crate::identify) const OF_MEDIAN_DEVIATION: f64 = 1.482_602_218_505_602;
 
 /// Median, and the standard deviation from the median absolute deviation; none of no values.
 pub(in crate::identify) fn robust_scale(values: &[f64]) -> Option<[f64; 2]> {

@@ -1,5 +1,6 @@
 //! What a reader of a test should know.
 
+use super::range_end::range_ends;
 use super::unlike::sides_apart;
 use crate::identify::found::result::{Cycles, TestEstimate};
 use crate::identify::found::uncertain::Uncertain;
@@ -40,6 +41,7 @@ pub(super) fn notes(
     settings: &IdentifySettings,
 ) -> Vec<String> {
     let mut notes = Vec::new();
+    notes.extend(range_ends(record, cycles.samples_per_cycle));
     of_cycles(cycles, record, &mut notes);
     of_friction(estimate, &mut notes);
     of_stiffness(estimate, settings, &mut notes);
