@@ -19,9 +19,9 @@ use super::share::{BLOCK, refuse_looks};
 use crate::Error;
 use crate::ensemble::Known;
 use crate::ensemble::atlas::Anchor;
-use crate::ensemble::parts::{Claims, Merged, RunIdentity, Source};
+use crate::ensemble::parts::{Claims, Merged, RunIdentity, Source, StoredPart};
 use crate::ensemble::runner::generations;
-use crate::file::FolderLock;
+use crate::file::{FileError, FolderLock};
 use crate::study::output::OutputFolder;
 use crate::study::settings::read::Study;
 
@@ -161,17 +161,30 @@ impl SharedSamples<'_> {
     fn refresh<F>(&mut self, session: &Session<'_, F>) -> Result<(), Error> {
         for part in session.parts.unseen(&mut self.tables)? {
             accepted_part(&session.parts, &part, &session.head.identity, self.settings)?;
-            self.known
-                .indices
-                .extend(part.samples.iter().map(|(index, _)| index));
-            let mut samples = Merged::new(vec![Source::of(&part)], &self.study.design);
-            while let Some(sample) = samples.take()? {
-                let Some(anchor) = sample.anchor else {
-                    break;
-                };
-                self.known.anchors.insert(sample.outcome.index, anchor);
+            match self.read(&part) {
+                // somebody took it away since it was opened: its samples are solved again
+                Err(error) if error.is_absence() => {
+                    self.tables.remove(&part.paths()[0]);
+                }
+                read => read?,
             }
         }
+        Ok(())
+    }
+
+    /// Reads the samples of a part and, where it has them, their anchors.
+    fn read(&mut self, part: &StoredPart) -> Result<(), FileError> {
+        let mut samples = Merged::new(vec![Source::of(part)], &self.study.design);
+        let mut anchors = Vec::new();
+        while let Some(sample) = samples.take()? {
+            let Some(anchor) = sample.anchor else {
+                break;
+            };
+            anchors.push((sample.outcome.index, anchor));
+        }
+        let indices = part.samples.iter().map(|(index, _)| index);
+        self.known.indices.extend(indices);
+        self.known.anchors.extend(anchors);
         Ok(())
     }
 
