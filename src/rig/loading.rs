@@ -98,7 +98,15 @@ impl Loading {
     /// # Errors
     /// [`ModelError`] on a strip that breaks a rule.
     pub fn map(&self, strip: &StripSettings) -> Result<LoadMap, ModelError> {
-        let cells = interface_cells(&strip.model())?;
+        self.map_on(strip, interface_cells(&strip.model())?)
+    }
+
+    /// The same on these cells of the interface.
+    fn map_on(
+        &self,
+        strip: &StripSettings,
+        cells: Vec<InterfaceCell>,
+    ) -> Result<LoadMap, ModelError> {
         match self {
             Self::Air(air) => air_map(air, strip, cells),
             Self::Punch(punch) => Ok(punch_map(punch, cells)),
@@ -112,7 +120,7 @@ impl Loading {
     /// [`ModelError`] on a strip that breaks a rule, or that this cannot press.
     pub fn pressed(&self, blades: &TwoBladeSettings) -> Result<TwoBladeSettings, ModelError> {
         let strip = StripSettings::of(blades);
-        let loads = self.map(&strip)?.loads;
+        let loads = self.map_on(&strip, interface_cells(blades)?)?.loads;
         let (mass, stiffness) = self.added();
         let heavier = 1.0 + mass / strip.mass();
         let stiffer = 1.0 + stiffness / strip.stiffness_between_blades();
