@@ -30,6 +30,21 @@ fn solve_reproduces_the_reference_solutions_of_three_problems() {
     }
 }
 
+/// `solution.json` of a study in which lines are replaced: the function is given what stands before " = ", and the line.
+fn solved_with(study: &str, replaced: impl Fn(&str, &str) -> Option<String>) -> serde_json::Value {
+    let lines = study.lines().map(|line| {
+        let (key, _) = line.split_once(" = ").unwrap_or((line, ""));
+        replaced(key, line).unwrap_or_else(|| line.to_owned())
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let text = lines.collect::<Vec<_>>().join("\n");
+    std::fs::write(folder.path().join("study.toml"), text).unwrap();
+    let output = microslip(folder.path(), &["solve", "study.toml", "--output", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json = std::fs::read_to_string(folder.path().join("out/solution.json")).unwrap();
+    serde_json::from_str(&json).unwrap()
+}
+
 /// Towards the frictionless limit: the amplitude of the default study near its peak falls short of it in proportion to a
 /// small friction coefficient. Seen to fail with sweeps that start from the stuck structure: no answer at 1e-3 within a minute;
 /// and without the start from the structure that slides without friction: no answer at 1e-7.
@@ -40,19 +55,12 @@ fn small_friction_coefficients_are_solved() {
     let solver = study.find("[solver]").unwrap();
     let study = format!("{}{}", &study[..inputs], &study[solver..]);
     let amplitude = |mu: &str| {
-        let lines = study.lines().map(|line| match line.split(" = ").next() {
-            Some("levels") => "levels = [5.0]".to_owned(),
-            Some("friction_coefficient") => format!("friction_coefficient = {mu}"),
-            Some("band_hz") => format!("{line}\nvalues_hz = [2622]"),
-            _ => line.to_owned(),
+        let json = solved_with(&study, |key, line| match key {
+            "levels" => Some("levels = [5.0]".to_owned()),
+            "friction_coefficient" => Some(format!("friction_coefficient = {mu}")),
+            "band_hz" => Some(format!("{line}\nvalues_hz = [2622]")),
+            _ => None,
         });
-        let folder = tempfile::tempdir().unwrap();
-        let text = lines.collect::<Vec<_>>().join("\n");
-        std::fs::write(folder.path().join("study.toml"), text).unwrap();
-        let output = microslip(folder.path(), &["solve", "study.toml", "--output", "out"]);
-        assert_eq!(output.status.code(), Some(0), "{mu}: {output:?}");
-        let json = std::fs::read_to_string(folder.path().join("out/solution.json")).unwrap();
-        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         let point = &json["levels"][0]["points"][0];
         assert_eq!(point["status"], "converged", "{mu}");
         json["levels"][0]["largest_amplitude"]["amplitude"]
@@ -75,24 +83,19 @@ fn small_friction_coefficients_are_solved() {
 fn more_harmonics_leave_the_answer_on_its_branch() {
     let study = include_str!("../../studies/two-blade-strip/study.toml");
     let solved = |solver: &str| -> Vec<serde_json::Value> {
-        let lines = study.lines().map(|line| match line.split(" = ").next() {
-            Some("levels") => "levels = [4.996623173330271]".to_owned(),
-            Some("kind") => format!("{line}\ncontact_nodes = [2, 2]"),
-            Some("friction_coefficient") => "friction_coefficient = 0.6156299462796861".to_owned(),
-            Some("harmonics" | "alert") => String::new(),
-            Some("[solver]") => format!("{line}\n{solver}"),
-            Some("band_hz") => "band_hz = [2605, 2635]\nsweep = \"downward\"\n\
+        let json = solved_with(study, |key, line| match key {
+            "levels" => Some("levels = [4.996623173330271]".to_owned()),
+            "kind" => Some(format!("{line}\ncontact_nodes = [2, 2]")),
+            "friction_coefficient" => Some("friction_coefficient = 0.6156299462796861".to_owned()),
+            "harmonics" | "alert" => Some(String::new()),
+            "[solver]" => Some(format!("{line}\n{solver}")),
+            "band_hz" => Some(
+                "band_hz = [2605, 2635]\nsweep = \"downward\"\n\
                  values_hz = [2623.456, 2623.48, 2623.5231549312916, 2623.6]"
-                .to_owned(),
-            _ => line.to_owned(),
+                    .to_owned(),
+            ),
+            _ => None,
         });
-        let folder = tempfile::tempdir().unwrap();
-        let text = lines.collect::<Vec<_>>().join("\n");
-        std::fs::write(folder.path().join("study.toml"), text).unwrap();
-        let output = microslip(folder.path(), &["solve", "study.toml", "--output", "out"]);
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        let json = std::fs::read_to_string(folder.path().join("out/solution.json")).unwrap();
-        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         json["levels"][0]["points"].as_array().unwrap().clone()
     };
     let amplitude = |point: &serde_json::Value| {
