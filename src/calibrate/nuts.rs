@@ -1,12 +1,13 @@
 //! The no-U-turn sampler: Hoffman & Gelman, J. Mach. Learn. Res. 15 (2014) 1593–1623, algorithm 6, whose names it bears, with
 //! multinomial sampling of the path and the general criterion of a turn (Betancourt, arXiv 1701.02434), and the warm-up of Stan:
-//! step by dual averaging, diagonal mass matrix from windows of doubling length.
+//! step by dual averaging, dense mass matrix from windows of doubling length.
 //!
 //! Own code and no crate: sums run in one order on every processor, so a chain is the same bits on all of them.
 
 use super::warm_up::{WarmUp, Windows};
 use crate::special::normal_quantile;
 use libm::{exp, log};
+use nalgebra::{DMatrix, DVector};
 use rand::Rng;
 use rand_chacha::ChaCha20Rng;
 
@@ -66,14 +67,46 @@ struct Tally {
     diverged: bool,
 }
 
+/// The inverse of the mass matrix: the covariance Σ of the coordinates.
+struct Metric {
+    covariance: DMatrix<f64>,
+    /// L of Σ = L Lᵀ.
+    factor: DMatrix<f64>,
+}
+
+impl Metric {
+    /// `None` if the covariance is not definite.
+    fn new(covariance: DMatrix<f64>) -> Option<Self> {
+        let factor = covariance.clone().cholesky()?.unpack();
+        Some(Self { covariance, factor })
+    }
+
+    fn unit(dimension: usize) -> Self {
+        let identity = DMatrix::identity(dimension, dimension);
+        Self {
+            covariance: identity.clone(),
+            factor: identity,
+        }
+    }
+
+    /// L⁻ᵀ z: a momentum of covariance Σ⁻¹ from independent normal numbers; `None` if Σ is singular.
+    fn momentum(&self, normals: &DVector<f64>) -> Option<DVector<f64>> {
+        self.factor.tr_solve_lower_triangular(normals)
+    }
+
+    /// Σ p.
+    fn velocity(&self, momentum: &[f64]) -> DVector<f64> {
+        &self.covariance * DVector::from_column_slice(momentum)
+    }
+}
+
 /// A chain that goes on.
 pub(super) struct Chain<'a> {
     density: &'a LogDensity<'a>,
     generator: ChaCha20Rng,
     at: Point,
     step: f64,
-    /// Variances of the coordinates: the inverse of the mass matrix.
-    variances: Vec<f64>,
+    metric: Metric,
 }
 
 impl<'a> Chain<'a> {
@@ -97,7 +130,7 @@ impl<'a> Chain<'a> {
                 density: value,
             },
             step: WarmUp::FIRST_STEP,
-            variances: vec![1.0; n],
+            metric: Metric::unit(n),
         })
     }
 
@@ -108,8 +141,8 @@ impl<'a> Chain<'a> {
         for draw in 0..draws {
             let tally = self.transition();
             self.step = step.next(tally.acceptance / f64::from(tally.steps.max(1)));
-            if let Some(variances) = windows.add(draw, &self.at.position) {
-                self.variances = variances;
+            if let Some(metric) = (windows.add(draw, &self.at.position)).and_then(Metric::new) {
+                self.metric = metric;
                 step = WarmUp::from(self.step);
             }
         }
@@ -128,9 +161,10 @@ impl<'a> Chain<'a> {
     }
 
     fn transition(&mut self) -> Tally {
-        for i in 0..self.variances.len() {
-            let normal = normal_quantile(self.uniform());
-            self.at.momentum[i] = normal / self.variances[i].sqrt();
+        let n = self.at.momentum.len();
+        let normals = DVector::from_fn(n, |_, _| normal_quantile(self.uniform()));
+        if let Some(momentum) = self.metric.momentum(&normals) {
+            self.at.momentum.copy_from_slice(momentum.as_slice());
         }
         let start = self.energy(&self.at);
         let momentum = self.at.momentum.clone();
@@ -204,9 +238,9 @@ impl<'a> Chain<'a> {
         for (p, g) in at.momentum.iter_mut().zip(&at.gradient) {
             *p += 0.5 * step * g;
         }
-        let moves = at.momentum.iter().zip(&self.variances);
-        for (q, (p, v)) in at.position.iter_mut().zip(moves) {
-            *q += step * v * p;
+        let velocity = self.metric.velocity(&at.momentum);
+        for (q, v) in at.position.iter_mut().zip(velocity.iter()) {
+            *q += step * v;
         }
         at.density = (self.density)(&at.position, &mut at.gradient);
         for (p, g) in at.momentum.iter_mut().zip(&at.gradient) {
@@ -267,16 +301,15 @@ impl<'a> Chain<'a> {
 
     /// Whether a path with this sum of momenta still moves away at both ends.
     fn has_no_u_turn(&self, sum: &[f64], one: &[f64], other: &[f64]) -> bool {
-        let along = |end: &[f64]| -> f64 {
-            let products = sum.iter().zip(end).zip(&self.variances);
-            products.map(|((s, p), v)| s * p * v).sum()
-        };
+        let moved = self.metric.velocity(sum);
+        let along = |end: &[f64]| -> f64 { moved.iter().zip(end).map(|(v, p)| v * p).sum() };
         along(one) > 0.0 && along(other) > 0.0
     }
 
     fn energy(&self, at: &Point) -> f64 {
-        let squares = at.momentum.iter().zip(&self.variances);
-        0.5 * squares.map(|(p, v)| p * p * v).sum::<f64>() - at.density
+        let velocity = self.metric.velocity(&at.momentum);
+        let twice: f64 = velocity.iter().zip(&at.momentum).map(|(v, p)| v * p).sum();
+        0.5 * twice - at.density
     }
 }
 

@@ -1,6 +1,7 @@
-//! Adaptation of a chain before its draws count: its step, and the variances of its coordinates.
+//! Adaptation of a chain before its draws count: its step, and the covariance of its coordinates.
 
 use libm::{exp, log, pow};
+use nalgebra::{DMatrix, DVector};
 
 /// Step by dual averaging (Nesterov 2009, as Hoffman & Gelman 2014, section 3.2).
 #[derive(Debug, Clone, Copy)]
@@ -63,7 +64,7 @@ impl WarmUp {
     }
 }
 
-/// Windows of draws that give variances, each twice as long as the one before.
+/// Windows of draws that give covariances, each twice as long as the one before.
 #[derive(Debug, Clone)]
 pub(super) struct Windows {
     /// First draw of the first window, and the draw after the last one.
@@ -72,8 +73,9 @@ pub(super) struct Windows {
     end: usize,
     length: usize,
     n: f64,
-    means: Vec<f64>,
-    squares: Vec<f64>,
+    mean: DVector<f64>,
+    /// Σ (x − mean) (x − mean)ᵀ of the present window.
+    products: DMatrix<f64>,
 }
 
 impl Windows {
@@ -86,8 +88,8 @@ impl Windows {
             end: range[0],
             length: FIRST_WINDOW,
             n: 0.0,
-            means: vec![0.0; dimension],
-            squares: vec![0.0; dimension],
+            mean: DVector::zeros(dimension),
+            products: DMatrix::zeros(dimension, dimension),
         };
         windows.open();
         windows
@@ -100,31 +102,25 @@ impl Windows {
         self.end = if last { self.range[1] } else { after };
         self.length *= 2;
         self.n = 0.0;
-        self.means.fill(0.0);
-        self.squares.fill(0.0);
+        self.mean.fill(0.0);
+        self.products.fill(0.0);
     }
 
-    /// Counts a draw; variances where it ends a window.
-    pub(super) fn add(&mut self, draw: usize, position: &[f64]) -> Option<Vec<f64>> {
+    /// Counts a draw; the covariance where it ends a window. It is definite: little of the prior is in it.
+    pub(super) fn add(&mut self, draw: usize, position: &[f64]) -> Option<DMatrix<f64>> {
         if draw < self.range[0] || draw >= self.range[1] {
             return None;
         }
         self.n += 1.0;
-        let slots = self.means.iter_mut().zip(&mut self.squares);
-        for ((mean, square), x) in slots.zip(position) {
-            let away = x - *mean;
-            *mean += away / self.n;
-            *square += away * (x - *mean);
-        }
+        let away = DVector::from_column_slice(position) - &self.mean;
+        self.mean += &away / self.n;
+        self.products += &away * away.transpose() * (1.0 - 1.0 / self.n);
         if draw + 1 < self.end || self.n < 2.0 {
             return None;
         }
-        let n = self.n;
-        let variance = |square: &f64| {
-            let own = n / (n + PRIOR_DRAWS) * square / (n - 1.0);
-            own + PRIOR_VARIANCE * PRIOR_DRAWS / (n + PRIOR_DRAWS)
-        };
-        let found = self.squares.iter().map(variance).collect();
+        let all = self.n + PRIOR_DRAWS;
+        let mut found = &self.products * (self.n / (all * (self.n - 1.0)));
+        (0..position.len()).for_each(|i| found[(i, i)] += PRIOR_VARIANCE * PRIOR_DRAWS / all);
         self.open();
         Some(found)
     }

@@ -91,6 +91,32 @@ fn the_posterior_of_a_linear_response_is_the_closed_form() {
     }
 }
 
+/// The measurement knows one combination of two inputs a hundred times as well as the prior, and the other not at all: chains go along this ridge as
+/// well as in any other direction. Seen to fail with variances in place of the covariance of the coordinates (534 effective draws of 4000).
+#[test]
+fn chains_go_along_a_ridge() {
+    let (prior, design) = normal_prior(0.0);
+    let fitted = surrogates(&prior, &design, |x| {
+        let known = 10.0 * x[0] - 5.0 * x[1];
+        [100.0 + known, known]
+    });
+    let data = observed([100.0, 0.0], [0.01, 0.05]);
+    let posterior = Posterior::new(&prior, &fitted, &data, Discrepancy::default());
+    for seed in 0..5 {
+        let asked = CalibrationSettings { seed, ..settings() };
+        let chains = Chains::draw(&posterior, &asked).unwrap();
+        for j in 0..2 {
+            let found = mixing(&chains.each(|position| position[j])).unwrap();
+            let effective = found.bulk_effective.min(found.tail_effective);
+            println!(
+                "seed {seed}, input {j}: {effective:.0}, R-hat {:.4}",
+                found.r_hat
+            );
+            assert!(effective > 1500.0, "seed {seed}, input {j}: {found:?}");
+        }
+    }
+}
+
 /// A second combination of inputs that explains the measurement far less well gets no draws, although a path that begins beside it stays there: the
 /// frequency knows the size of an input, and the amplitude its sign, by six deviations. Seen to fail with starts that are drawn from the prior alone.
 #[test]
