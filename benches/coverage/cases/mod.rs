@@ -3,6 +3,7 @@
 mod case;
 mod control_variate;
 mod independent;
+mod pooled;
 mod sensitivity;
 mod verdicts;
 
@@ -18,6 +19,7 @@ pub(crate) fn all() -> Vec<Case> {
     independent::curves(&mut cases);
     independent::weights(&mut cases);
     control_variate::control_variates(&mut cases);
+    pooled::pooled_tests(&mut cases);
     sensitivity::replicates(&mut cases);
     sensitivity::given_data(&mut cases);
     sensitivity::pick_freeze(&mut cases);

@@ -64,6 +64,12 @@ fn exceedances_cover() {
     assert_covers("re-weighted exceedance");
 }
 
+/// Of few specimens, where scatter and correlation are hardly known.
+#[test]
+fn pooled_tests_cover() {
+    assert_covers_where(REPETITIONS, |s| s.samples.starts_with("3 specimens"));
+}
+
 /// Where a tail of the new law has hardly a sample. Seen to fail with the heaviest weight drawn as that of the missing
 /// observation (869 of 1000).
 #[test]
