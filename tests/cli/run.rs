@@ -80,7 +80,8 @@ fn the_mirror_can_be_switched_off() {
     let short = default
         .replace("samples = 200", "samples = 1")
         .replace("levels = [0.1, 5.0, 20.0]", "levels = [0.1, 5.0]")
-        .replace("harmonics = 5", "harmonics = 3");
+        .replace("harmonics = 5", "harmonics = 3")
+        .replace("curve_samples = 30", "curve_samples = 0");
     let peaks = |mirror: &str| {
         let folder = tempfile::tempdir().unwrap();
         let text = short.replace("[solver]", &format!("[solver]\n{mirror}"));
