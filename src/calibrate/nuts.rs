@@ -89,9 +89,10 @@ impl Metric {
         }
     }
 
-    /// L⁻ᵀ z: a momentum of covariance Σ⁻¹ from independent normal numbers; `None` if Σ is singular.
-    fn momentum(&self, normals: &DVector<f64>) -> Option<DVector<f64>> {
-        self.factor.tr_solve_lower_triangular(normals)
+    /// L⁻ᵀ z: a momentum of covariance Σ⁻¹ from independent normal numbers.
+    fn momentum(&self, normals: &DVector<f64>) -> DVector<f64> {
+        // the factor of a definite matrix has no zero on its diagonal
+        self.factor.tr_solve_lower_triangular_unchecked(normals)
     }
 
     /// Σ p.
@@ -163,9 +164,8 @@ impl<'a> Chain<'a> {
     fn transition(&mut self) -> Tally {
         let n = self.at.momentum.len();
         let normals = DVector::from_fn(n, |_, _| normal_quantile(self.uniform()));
-        if let Some(momentum) = self.metric.momentum(&normals) {
-            self.at.momentum.copy_from_slice(momentum.as_slice());
-        }
+        let momentum = self.metric.momentum(&normals);
+        self.at.momentum.copy_from_slice(momentum.as_slice());
         let start = self.energy(&self.at);
         let momentum = self.at.momentum.clone();
         let mut path = Subtree {

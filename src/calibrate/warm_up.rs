@@ -106,7 +106,7 @@ impl Windows {
         self.products.fill(0.0);
     }
 
-    /// Counts a draw; the covariance where it ends a window. It is definite: little of the prior is in it.
+    /// Counts a draw; the covariance where it ends a window. It is definite, since a little of the prior variance is added.
     pub(super) fn add(&mut self, draw: usize, position: &[f64]) -> Option<DMatrix<f64>> {
         if draw < self.range[0] || draw >= self.range[1] {
             return None;
