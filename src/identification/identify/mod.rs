@@ -3,6 +3,34 @@
 //! A record is cut into cycles, the steady ones are averaged (`cycles`), and the mean loop (`one_loop`) gives the parameters of a
 //! test ([`one_test`]); all tests together give their distribution over contacts ([`pooling`]), which a study reads ([`read`]). What is
 //! found, of a test and of all, stands in [`found`].
+//!
+//! ```
+//! # mod microslip {
+//! #     pub use microslip_identification::identify;
+//! #     pub use microslip_readers::record;
+//! # }
+//! use microslip::identify::{IdentifySettings, identify_test};
+//! use microslip::record::HysteresisRecord;
+//!
+//! // ten cycles of an elastic-Coulomb contact: friction coefficient 0.5, 40 N/um, 100 N, 8 um at 50 Hz
+//! let mut record = HysteresisRecord::empty("loops".to_owned());
+//! let (mut before, mut force) = (0.0, 0.0_f64);
+//! for i in 0..2000 {
+//!     let cycles = f64::from(i) / 200.0;
+//!     let displacement = 8e-6 * (std::f64::consts::TAU * cycles).sin();
+//!     force = (force + 40e6 * (displacement - before)).clamp(-50.0, 50.0);
+//!     before = displacement;
+//!     record.time.push(cycles / 50.0);
+//!     record.displacement.push(displacement);
+//!     record.tangential_force.push(force);
+//!     record.normal_force.push(100.0);
+//! }
+//! let found = identify_test(&record, &IdentifySettings::default());
+//! let estimate = found.estimate.expect("loops that slip");
+//! let friction = estimate.friction.expect("slip").coefficient;
+//! let stiffness = estimate.tangential.stiffness_n_per_um;
+//! assert!((friction.value - 0.5).abs() < 1e-6 && (stiffness.value - 40.0).abs() < 0.01);
+//! ```
 
 mod cycles;
 pub mod found;

@@ -1,7 +1,21 @@
 //! Linear elastic solids: block meshes of hexahedra, their stiffness and mass.
 //!
 //! Answers: given boxes, a material and clamped nodes, what are K and M of M q̈ + K q = f? Knows no contact, no
-//! damping and no reduction. Start at [`FeModel::new`]; the element is [`hex8`].
+//! damping and no reduction. Start at [`FeModel::new`]; the element is [`hex8`]. A clamped bar of two elements:
+//!
+//! ```
+//! # use microslip_solver as microslip;
+//! use microslip::fe::{Cuboid, FeModel, Material, tensor_mesh};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!
+//! let bar = Cuboid { min: [0.0; 3], max: [0.2, 0.02, 0.01] }; // m
+//! let lines = [vec![0.0, 0.1, 0.2], vec![0.0, 0.02], vec![0.0, 0.01]];
+//! let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3, density: 7800.0 };
+//! let model = FeModel::new(tensor_mesh(&lines, &[bar]), &steel, |x| x[0] == 0.0)?;
+//! assert_eq!(model.n_dofs(), 24); // three for each of eight nodes that are free
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod hex8;
 mod mesh;
