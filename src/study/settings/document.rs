@@ -297,7 +297,7 @@ fn one_line(message: &str) -> String {
 }
 
 /// What serde expects, and what a reader of the file calls it.
-const EXPECTED: [(&str, &str); 11] = [
+const EXPECTED: [(&str, &str); 12] = [
     ("expected u64", "expected a whole number >= 0"),
     ("expected u32", "expected a whole number >= 0"),
     ("expected usize", "expected a whole number >= 0"),
@@ -307,6 +307,11 @@ const EXPECTED: [(&str, &str); 11] = [
     ("expected path string", "expected a file name in quotes"),
     ("expected a sequence", "expected a list in brackets"),
     ("expected a map", "expected a table"),
+    // of a key that takes one of a few names
+    (
+        "wanted string or table",
+        "expected one of its names, a text in quotes",
+    ),
     ("invalid type: map", "invalid type: table"),
     ("invalid type: sequence", "invalid type: list"),
 ];

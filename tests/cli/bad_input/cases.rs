@@ -56,6 +56,11 @@ pub(crate) const REFUSED: &[Case] = &[
         ],
     ),
     (
+        "harmonics = 5",
+        "harmonics = 5\nstability = true",
+        &[":34: solver.stability: expected one of its names, a text in quotes"],
+    ),
+    (
         "samples = 10",
         "samples = { until = \"decided\", at_most = 0 }",
         &[":3: ", "samples.at_most = 0: must be from 1 to"],

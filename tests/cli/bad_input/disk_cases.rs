@@ -188,6 +188,13 @@ pub(crate) const DISK_BEYOND_SCHEMA: &[Case] = &[
         &[":20: model.contact[0].t1.next:nobody.x = -1: must name a degree of freedom"],
     ),
     (
+        "\"next:blade.x\" = -1.0",
+        "\"next:right.x\" = -1.0",
+        &[
+            ":20: model.contact[0].t1.next:right.x = -1: must lie in the sector or in the next one, but the right boundary of the next sector is left.x two sectors on",
+        ],
+    ),
+    (
         "left = [\"left.x\"]\nright = [\"right.x\"]",
         "left = []\nright = []",
         &[

@@ -156,12 +156,31 @@ impl SectorMatrices {
         let mut contacts = Vec::new();
         let mut parameters = Vec::new();
         for (i, table) in self.sector.contact.iter().enumerate() {
+            for (direction, row) in [("t1", &table.t1), ("t2", &table.t2), ("n", &table.n)] {
+                row.iter().flatten().try_for_each(|(name, weight)| {
+                    self.within_reach(&format!("contact[{i}].{direction}"), name, *weight)
+                })?;
+            }
             contacts.push(table.pair(&format!("contact[{i}]"), index)?);
             parameters.push(table.parameters());
         }
         let names = contacts.iter().map(|pair| pair.name.as_str());
         unique(|i| format!("contact[{i}].name"), names)?;
         Ok((contacts, parameters))
+    }
+
+    /// Refuses the right boundary of the next sector in the contact row at `key`.
+    fn within_reach(&self, key: &str, name: &str, weight: f64) -> Result<(), BadSetting> {
+        let of_next = name.strip_prefix(NEXT);
+        let beyond = of_next.and_then(|of| self.right.iter().position(|other| other == of));
+        let Some(i) = beyond else {
+            return Ok(());
+        };
+        let rule = format!(
+            "must lie in the sector or in the next one, but the right boundary of the next sector is {} two sectors on",
+            self.left[i]
+        );
+        Err(BadSetting::new(format!("{key}.{name}"), weight, rule))
     }
 
     /// What the stiffness of a sector has among the blade's degrees of freedom.
