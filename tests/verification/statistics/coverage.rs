@@ -64,7 +64,7 @@ fn exceedances_cover() {
     assert_covers("re-weighted exceedance");
 }
 
-/// Of few specimens, where scatter and correlation are hardly known.
+/// Of few specimens, where scatter and correlation are hardly known. Seen to fail without the factor for few specimens (168 of 200).
 #[test]
 fn pooled_tests_cover() {
     assert_covers_where(REPETITIONS, |s| s.samples.starts_with("3 specimens"));
