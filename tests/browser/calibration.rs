@@ -25,11 +25,7 @@ fn posteriors_are_drawn_and_nothing_overflows() {
             .unwrap();
         }
         let study = Study::read(&folder.path().join("study.toml")).unwrap();
-        // both inputs act alike: of ten seeds some have chains that differ by a little more than the 1 % that is warned of
-        let settings = CalibrationSettings {
-            seed: 2,
-            ..CalibrationSettings::default()
-        };
+        let settings = CalibrationSettings::default();
         let found = calibrate(study, &response, &settings, |_| {}).unwrap();
         assert_eq!(
             !found.summary.warnings.is_empty(),

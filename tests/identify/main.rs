@@ -7,6 +7,7 @@
 mod coverage;
 mod other_laws;
 mod pooling;
+mod population;
 mod recovery;
 mod refusal;
 mod round_robin;

@@ -1,22 +1,19 @@
 //! Scatter and correlation between contacts are found from many tests.
 
+use crate::population::{CORRELATION, MEDIANS, SCATTER, deviations};
 use crate::synthetic::{Bench, normal};
 use microslip::identify::{
     ContactParameter, Identified, IdentifySettings, TestResult, identify, identify_test, pool,
 };
 use microslip::sampling::Shape;
 
-/// Scatter of ln μ and ln k between contacts and their correlation.
-const SCATTER: [f64; 2] = [0.1, 0.4];
-const CORRELATION: f64 = -0.6;
-
 /// A contact drawn from the population.
 fn contact(seed: u64) -> Bench {
-    let [a, b] = [0, 1].map(|k| normal(99, seed, 20 + k));
-    let second = CORRELATION * a + (1.0 - CORRELATION * CORRELATION).sqrt() * b;
+    let normals = [0, 1].map(|k| normal(99, seed, 20 + k));
+    let [friction, stiffness] = deviations(normals, SCATTER).map(f64::exp);
     Bench {
-        friction: 0.5 * (SCATTER[0] * a).exp(),
-        stiffness: [40e6 * (SCATTER[1] * second).exp(); 2],
+        friction: MEDIANS[0] * friction,
+        stiffness: [1e6 * MEDIANS[1] * stiffness; 2],
         amplitude: 8e-6,
         per_cycle: 200.0,
         cycles: 6,
@@ -39,7 +36,7 @@ fn scatter_and_correlation_of_a_population() {
         pooled.specimens, 80,
         "a test without specimen is one of its own"
     );
-    let expected = [(0.5, SCATTER[0]), (40.0, SCATTER[1])];
+    let expected = MEDIANS.into_iter().zip(SCATTER);
     for (found, (median, scatter)) in pooled.parameters.iter().zip(expected) {
         let u = found.median;
         assert!(u.lower < median && median < u.upper, "{found:?}");

@@ -1,29 +1,25 @@
 //! Intervals of contacts that several tests are pooled for.
 
+#[path = "../../../tests/identify/population.rs"]
+mod population;
 #[path = "../../../tests/identify/synthetic.rs"]
 mod synthetic;
 
 use super::super::functions::Numbers;
 use super::case::Cases;
 use microslip::identify::{IdentifySettings, identify_test, pool};
+use population::{MEDIANS, SCATTER, deviations};
 use synthetic::Bench;
 
-/// Medians of friction coefficient and tangential stiffness (N/µm).
-const MEDIANS: [f64; 2] = [0.5, 40.0];
-/// Their scatter between specimens, and between the tests of a specimen: standard deviations of the logarithms.
-const BETWEEN: [f64; 2] = [0.1, 0.4];
+/// Scatter of the logarithms between the tests of a specimen; that between specimens is [`SCATTER`].
 const WITHIN: [f64; 2] = [0.05, 0.1];
-/// Correlation of the two.
-const CORRELATION: f64 = -0.6;
 
 /// Specimens, and tests of each.
 const POPULATIONS: [(usize, usize); 4] = [(3, 1), (5, 1), (20, 1), (5, 3)];
 
-/// Logarithms of a contact's parameters over their medians.
+/// Deviations of a specimen or of one of its tests.
 fn drawn(numbers: &mut Numbers, scatter: [f64; 2]) -> [f64; 2] {
-    let [a, b] = [numbers.normal(), numbers.normal()];
-    let second = CORRELATION * a + (1.0 - CORRELATION * CORRELATION).sqrt() * b;
-    [scatter[0] * a, scatter[1] * second]
+    deviations([numbers.normal(), numbers.normal()], scatter)
 }
 
 /// Parameters of a contact of a specimen that lies so far from the medians.
@@ -43,7 +39,7 @@ pub(crate) fn pooled_tests(cases: &mut Cases) {
         cases.add_several(statements.collect(), move |numbers, seed| {
             let mut all = Vec::new();
             for specimen in 0..specimens {
-                let of_specimen = drawn(numbers, BETWEEN);
+                let of_specimen = drawn(numbers, SCATTER);
                 for _ in 0..tests {
                     let [friction, stiffness] = contact(numbers, of_specimen);
                     let bench = Bench {
@@ -62,7 +58,7 @@ pub(crate) fn pooled_tests(cases: &mut Cases) {
                     all.push(test);
                 }
             }
-            let further = drawn(numbers, BETWEEN);
+            let further = drawn(numbers, SCATTER);
             let further = contact(numbers, further);
             let found = pool(&all, &IdentifySettings::default()).parameters;
             let medians = [0, 1].map(|k| {
