@@ -60,16 +60,22 @@ fn show(out: &mut dyn Write, disk: &DiskSummary) -> std::io::Result<()> {
             let amplitude = words(level.amplitude_m, 1e6, 3);
             writeln!(
                 out,
-                "  {} {}: {frequency} Hz, {amplitude} um (1, 50, 99 %), {} failed, {} of {} assessed peaks unstable",
+                "  {} {}: {frequency} Hz, {amplitude} um (1, 50, 99 %), {} failed, {} of {} assessed peaks unstable, {}",
                 level.level,
                 disk.level_unit,
                 level.failed,
                 level.stability.unstable,
-                level.stability.assessed
+                level.stability.assessed,
+                level.several_answers.in_words()
             )?;
         }
         for result in &order.criteria {
-            writeln!(out, "  {}: {}", result.criterion.name, result.sentence)?;
+            let answers = order.several_in_words();
+            writeln!(
+                out,
+                "  {}: {} ({answers})",
+                result.criterion.name, result.sentence
+            )?;
         }
     }
     Ok(())

@@ -12,6 +12,7 @@ mod control_variate;
 mod described;
 mod designs;
 mod disk;
+mod disk_page;
 mod export;
 mod extend;
 #[path = "../common/function_case.rs"]

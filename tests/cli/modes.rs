@@ -1,5 +1,6 @@
 //! All modes of the band followed, from the study file to table, summary and page.
 
+use crate::bad_input::disk_cases::{DISK, DISK_FILES};
 use crate::{microslip, reference_study};
 use microslip::ensemble::outcome::SampleOutcome;
 use microslip::ensemble::store::read_samples;
@@ -104,4 +105,50 @@ fn modes_do_not_depend_on_threads() {
     let [one, two] = ["1", "2"].map(|threads| run("\"all\"", threads));
     let table = |of: &TempDir| std::fs::read(of.path().join("out/samples.parquet")).unwrap();
     assert!(table(&one) == table(&two), "other bytes");
+}
+
+/// Both modes of a travelling wave in the band, stuck: they resonate where the stuck frequencies of its nodal diameter lie. Seen to fail with
+/// the highest maximum alone.
+#[test]
+fn every_mode_of_a_nodal_diameter_is_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in DISK_FILES {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let study = DISK
+        .replace("levels = [1.0]", "levels = [1e-3]\nsamples = 3")
+        .replace("modal_damping_ratio = 0.01", "modal_damping_ratio = 0.001")
+        .replace("[100, 400]", "[100, 700]\npeak = \"all\"")
+        + "\n[solver]\nharmonics = 3\nalert = false\n\n[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.3\nhigh = 0.4\n";
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let output = microslip(folder.path(), &["run", "study.toml", "--output", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let record = std::fs::read_to_string(folder.path().join("out/run.json")).unwrap();
+    let record: Value = serde_json::from_str(&record).unwrap();
+    let of_three = &record["disk"]["nodal_diameters"][3];
+    assert_eq!(of_three["nodal_diameter"], 3);
+    let stuck: Vec<f64> = (of_three["stuck_hz"].as_array().unwrap().iter())
+        .map(|hz| hz.as_f64().unwrap())
+        .filter(|hz| (100.0..700.0).contains(hz))
+        .collect();
+    assert_eq!(stuck.len(), 2, "{stuck:?}");
+    for sample in samples(&folder) {
+        let level = &sample.levels[0];
+        let others = level.around.others().iter().map(|other| other.frequency_hz);
+        let mut found: Vec<f64> = others.chain([level.peak.unwrap().frequency_hz]).collect();
+        found.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), 2, "{found:?}");
+        for (found, stuck) in found.iter().zip(&stuck) {
+            assert!((found / stuck - 1.0).abs() < 1e-4, "{found} {stuck}");
+        }
+    }
+    assert_eq!(
+        summary(&folder)["levels"][0]["modes"]
+            .as_array()
+            .unwrap()
+            .len(),
+        2
+    );
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    assert!(page.contains("Resonances of all modes"));
 }

@@ -5,21 +5,23 @@ use microslip::study::{Study, inspect};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// The folder of a study of the blades at 40 N, with a line in `[solver]` and tables at its end.
-fn blades(solver: &str, tables: &str) -> TempDir {
+const NO_ALERT: &str = "alert = false";
+
+/// The folder of a study of the blades at 40 N, with these lines in `[solver]` and tables at its end.
+fn blades(alert: &str, solver: &str, tables: &str) -> TempDir {
     let (folder, study) = reference_study("lb2");
     let study = study
         .replace("levels = [1, 10, 20, 40, 100]", "levels = [40]")
         .replace("[300.0, 450.0]", "[310.0, 390.0]")
-        .replace("alert = false", &format!("alert = false\n{solver}"));
+        .replace(NO_ALERT, &format!("{alert}\n{solver}"));
     let study = format!("samples = 4\nseed = 1\n{study}\n{tables}");
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     folder
 }
 
 /// Status, shares of slip and separation, and modulus of the multiplier of each point of the curve.
-fn curve(solver: &str) -> Vec<(String, [f64; 2], Option<f64>)> {
-    let folder = blades(solver, "");
+fn curve(alert: &str, solver: &str) -> Vec<(String, [f64; 2], Option<f64>)> {
+    let folder = blades(alert, solver, "");
     let output = microslip(folder.path(), &["solve", "study.toml", "--output", "out"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let mut table = csv::Reader::from_path(folder.path().join("out/curve.csv")).unwrap();
@@ -50,7 +52,7 @@ fn curve(solver: &str) -> Vec<(String, [f64; 2], Option<f64>)> {
 /// `solve` left as they are, and with `"off"` as the default.
 #[test]
 fn curves_say_where_they_are_unstable() {
-    let all = curve("stability = \"all\"");
+    let all = curve(NO_ALERT, "stability = \"all\"");
     let unstable = all
         .iter()
         .filter(|(status, ..)| status == "unstable")
@@ -65,15 +67,30 @@ fn curves_say_where_they_are_unstable() {
     }
     // lift-off is assessed where nothing is said
     for solver in ["stability = \"lift-off\"", ""] {
-        for (_, [_, open], multiplier) in curve(solver) {
+        for (_, [_, open], multiplier) in curve(NO_ALERT, solver) {
             assert_eq!(multiplier.is_some(), open > 0.0, "{solver}");
         }
     }
-    let off = curve("stability = \"off\"");
+    let off = curve(NO_ALERT, "stability = \"off\"");
     let said = |(status, _, multiplier): &(String, _, Option<f64>)| {
         multiplier.is_some() || status == "unstable"
     };
     assert!(!off.iter().any(said));
+}
+
+/// What is unstable says so, also where its truncation error is above the threshold. Seen to fail with the threshold first.
+#[test]
+fn unstable_counts_before_the_truncation_error() {
+    let alert = "alert = { threshold = 1e-12, highest_harmonic = 5 }";
+    let all = curve(alert, "stability = \"all\"");
+    for (status, _, multiplier) in &all {
+        let expected = match multiplier {
+            Some(size) if *size > 1.01 => "unstable",
+            _ => "truncation-above-threshold",
+        };
+        assert_eq!(status, expected, "{multiplier:?}");
+    }
+    assert!(all.iter().any(|(status, ..)| status == "unstable"));
 }
 
 /// A run counts its unstable peaks, and the page says how many were assessed.
@@ -83,7 +100,7 @@ fn curves_say_where_they_are_unstable() {
 fn runs_count_unstable_peaks() {
     let input =
         "[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.5\nhigh = 0.7\n";
-    let folder = blades("stability = \"lift-off\"", input);
+    let folder = blades(NO_ALERT, "stability = \"lift-off\"", input);
     let output = microslip(folder.path(), &["run", "study.toml", "--output", "out"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let read = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();

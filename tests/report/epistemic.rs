@@ -292,6 +292,11 @@ fn a_point_that_stands_twice_moves_no_range() {
         let once = once.replace("all 3 outer points", "all 4 outer points");
         assert!(once == twice, "{id}");
     }
+    // none of the samples of a point, beside each reserve
+    assert!(
+        section(&pages[0], "stress")
+            .contains("several answers on 0 of 60 curves of the worst outer point")
+    );
     for (id, class) in [("campbell", "class=\""), ("response", "class=\"band")] {
         let marks = |page: &str| -> Vec<String> {
             let paths = section(page, id).split("<path ").skip(1);

@@ -74,6 +74,12 @@ impl Compared {
         }
     }
 
+    /// Whether it is the distance to a limit.
+    #[must_use]
+    pub fn is_margin(self) -> bool {
+        matches!(self, Self::FrequencyMargin | Self::ReserveFactor)
+    }
+
     /// What the share of the better samples is called: a frequency is only higher.
     #[must_use]
     pub fn word(self) -> &'static str {

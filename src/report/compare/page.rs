@@ -13,6 +13,7 @@ use crate::page::style::figure_style;
 use crate::report::convention::CONFIDENCE;
 use crate::report::error::ReportError;
 use crate::report::numbers::outer_points::{chosen, outer_groups};
+use crate::report::numbers::several_answers::SeveralAnswers;
 use crate::report::page::document::page;
 use crate::report::page::statistic_cell::{limits, share_cell};
 use crate::report::run::stored_run::StoredRun;
@@ -332,15 +333,29 @@ fn pair_row(view: &View, i: usize, quantity: Compared, pair: &Pair) -> Vec<Cell>
             .with_small(limits(median.interval, &show)),
     };
     let unknown = pair.comparison.a_better.unknown;
+    let answers = match quantity.is_margin() {
+        true => [pair.a, pair.b]
+            .map(|k| several_answers(view, k, i))
+            .join("; "),
+        false => String::new(),
+    };
     vec![
         view.level_cell(i),
         outer_cell(pair.outer),
-        Cell::text(format!("{} − {}", view.label(pair.a), view.label(pair.b))).with_class("text"),
+        Cell::text(format!("{} − {}", view.label(pair.a), view.label(pair.b)))
+            .with_small(answers)
+            .with_class("text"),
         median,
         share_cell(Some(&pair.comparison.a_better)),
         share_cell(Some(&pair.comparison.b_better)),
         Cell::number(unknown.to_string(), Some(unknown as f64)),
     ]
+}
+
+/// On how many curves of a design at level `i` there are several answers.
+fn several_answers(view: &View, design: usize, i: usize) -> String {
+    let found = SeveralAnswers::of(&view.runs[design].outcomes, i, CONFIDENCE);
+    format!("{}: {}", view.label(design), found.in_words())
 }
 
 /// Distribution functions of the differences of every design from the first.

@@ -3,7 +3,7 @@
 use crate::report::assessment::Assessment;
 use crate::report::numbers::margins::OrderMargin;
 use crate::report::numbers::population::Populations;
-use crate::report::numbers::several_answers::SeveralAnswers;
+use crate::report::numbers::several_answers::{SeveralAnswers, several_in_words};
 use crate::report::numbers::stability::StabilityCounts;
 use crate::report::numbers::summary::Summary;
 use crate::report::run::input::ReportInput;
@@ -159,6 +159,14 @@ fn same_disk<'a>(first: &StoredRun, run: &'a StoredRun) -> Result<&'a DiskRecord
 }
 
 impl OrderSummary {
+    /// On how many curves of all levels there are several answers.
+    #[must_use]
+    pub fn several_in_words(&self) -> String {
+        let of_levels = || self.levels.iter().map(|level| level.several_answers);
+        let several = of_levels().map(|of| of.several).sum();
+        several_in_words(several, of_levels().map(|of| of.curves).sum())
+    }
+
     fn of(
         folder: &Path,
         input: &ReportInput,

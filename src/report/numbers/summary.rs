@@ -229,7 +229,7 @@ impl LevelSummary {
             several_maxima: (records.iter())
                 .filter(|r| usable_peak(r).is_some() && !r.around.others().is_empty())
                 .count(),
-            several_answers: SeveralAnswers::of(&records, !nested, confidence),
+            several_answers: SeveralAnswers::of(input.outcomes, i, confidence),
             mean_contact_fractions: mean_fractions(population.iter(), i),
             worst_work_balance: worst_work_balance(peaks()),
             newton_iterations: WorkPerSample::of(records.iter().map(|r| r.newton_iterations)),

@@ -167,10 +167,10 @@ impl Solution {
             self.truncation_error
                 .is_some_and(|error| alert.accepts(error))
         });
-        self.status = match (certified, stability.is_stable()) {
-            (false, _) => Status::TruncationAboveThreshold,
+        self.status = match (stability.is_stable(), certified) {
+            (false, _) => Status::Unstable,
+            (true, false) => Status::TruncationAboveThreshold,
             (true, true) => Status::Converged,
-            (true, false) => Status::Unstable,
         };
         self
     }

@@ -62,8 +62,7 @@ fn campbell(view: &View) -> Figure {
     }
     let mut names = Vec::new();
     for (order, [from, to]) in view.disk.orders.iter().zip(stretches(view, [slow, fast])) {
-        // one band per family, over all levels
-        if let Some([lower, upper]) = order_range(order) {
+        if let Some([lower, upper]) = family_range(view, order.nodal_diameter) {
             panel.band("range", &[(from, lower, upper), (to, lower, upper)]);
         }
         let slope = excitation_hz(f64::from(order.engine_order), 1.0);
@@ -92,9 +91,17 @@ fn campbell(view: &View) -> Figure {
         panel.readout_upright(speed, [lower, upper], &words);
     }
     panel.names_above(&names);
-    let caption = "A band spans the scatter of one nodal diameter over all levels. The bands lie on each other, so each is drawn \
-                   at the speeds nearest to those where its engine order crosses; bars stand where it crosses their middle.";
+    let caption = "A band spans the scatter of one nodal diameter over all levels and all engine orders that excite it. The bands lie on \
+                   each other, so each is drawn at the speeds nearest to those where its engine orders cross; bars stand where they cross \
+                   their middle.";
     view.figure(&panel, "campbell", caption)
+}
+
+/// Lowest and highest frequency (Hz) of the bars of all orders that excite a nodal diameter.
+fn family_range(view: &View, nodal_diameter: usize) -> Option<[f64; 2]> {
+    let of_family = |order: &&OrderSummary| order.nodal_diameter == nodal_diameter;
+    let orders = view.disk.orders.iter().filter(of_family);
+    hull(orders.filter_map(order_range).flatten())
 }
 
 /// Lowest and highest frequency (Hz) of the bars of an order.

@@ -56,7 +56,8 @@ fn number_row(view: &View, order: &OrderSummary, i: usize, level: &OrderLevel) -
         .margin
         .as_ref()
         .and_then(|margin| margin.range_bound.value());
-    let margin = Cell::number(bound.map_or(DASH.to_owned(), percent), bound);
+    let margin = Cell::number(bound.map_or(DASH.to_owned(), percent), bound)
+        .with_small(level.several_answers.in_words());
     vec![
         whole(order.engine_order as usize),
         whole(order.nodal_diameter),

@@ -73,6 +73,7 @@ fn criteria(orders: &[OrderSummary]) -> Block {
                 Cell::text(word)
                     .with_badge(class)
                     .with_raw_text(&result.sentence)
+                    .with_small(order.several_in_words())
                     .with_class("text"),
             ]);
         }
