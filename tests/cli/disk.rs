@@ -51,8 +51,7 @@ fn one_run_takes_several_engine_orders() {
     assert_eq!(run.status.code(), Some(0), "{run:?}");
     let text = String::from_utf8_lossy(&run.stdout);
     assert!(text.contains("engine order 5, nodal diameter 5"), "{text}");
-    // beside the numbers of two levels and the criterion, of each order
-    let answers = "several answers on 0 of ";
+    let answers = "several answers on 0 of "; // two levels and a criterion, of each order
     assert_eq!(text.matches(answers).count(), 6, "{text}");
     let page = std::fs::read_to_string(folder.path().join("both/disk.html")).unwrap();
     let page = page.replace("&#x2f;", "/");
