@@ -73,7 +73,6 @@ fn criteria(orders: &[OrderSummary]) -> Block {
                 Cell::text(word)
                     .with_badge(class)
                     .with_raw_text(&result.sentence)
-                    .with_small(order.several_in_words())
                     .with_class("text"),
             ]);
         }
@@ -93,7 +92,7 @@ fn sentences(orders: &[OrderSummary]) -> Vec<Verdict> {
                     "Engine order {}: {}",
                     order.engine_order, result.criterion.name
                 ),
-                sentence: result.sentence.clone(),
+                sentence: format!("{} ({})", result.sentence, order.several_in_words()),
             }
         };
         order.criteria.iter().map(verdict).collect()
