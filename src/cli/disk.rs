@@ -70,11 +70,11 @@ fn show(out: &mut dyn Write, disk: &DiskSummary) -> std::io::Result<()> {
             )?;
         }
         for result in &order.criteria {
-            let answers = order.several_in_words();
             writeln!(
                 out,
-                "  {}: {} ({answers})",
-                result.criterion.name, result.sentence
+                "  {}: {}",
+                result.criterion.name,
+                order.sentence(result)
             )?;
         }
     }

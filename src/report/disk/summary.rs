@@ -3,13 +3,13 @@
 use crate::report::assessment::Assessment;
 use crate::report::numbers::margins::OrderMargin;
 use crate::report::numbers::population::Populations;
-use crate::report::numbers::several_answers::{SeveralAnswers, several_in_words};
+use crate::report::numbers::several_answers::SeveralAnswers;
 use crate::report::numbers::stability::StabilityCounts;
 use crate::report::numbers::summary::Summary;
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::{DiskRecord, NodalRecord, RunRecord};
 use crate::report::run::stored_run::{CHANGED, StoredRun};
-use crate::report::verdict::criterion_result::CriterionResult;
+use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};
 use serde::Serialize;
 use std::path::Path;
 
@@ -159,12 +159,14 @@ fn same_disk<'a>(first: &StoredRun, run: &'a StoredRun) -> Result<&'a DiskRecord
 }
 
 impl OrderSummary {
-    /// On how many curves of all levels there are several answers.
+    /// What a criterion says, and how often there are several answers at the level that decides.
     #[must_use]
-    pub fn several_in_words(&self) -> String {
-        let of_levels = || self.levels.iter().map(|level| level.several_answers);
-        let several = of_levels().map(|of| of.several).sum();
-        several_in_words(several, of_levels().map(|of| of.curves).sum())
+    pub fn sentence(&self, result: &CriterionResult) -> String {
+        let at = |deciding: &LevelResult| self.levels.iter().find(|l| l.level == deciding.level);
+        match result.deciding().and_then(at) {
+            None => result.sentence.clone(),
+            Some(level) => format!("{} ({})", result.sentence, level.several_answers.in_words()),
+        }
     }
 
     fn of(

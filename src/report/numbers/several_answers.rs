@@ -38,61 +38,59 @@ pub struct CurvesOfPoint {
 impl SeveralAnswers {
     /// Of the samples at level `i`.
     pub(in crate::report) fn of(outcomes: &[SampleOutcome], i: usize, confidence: f64) -> Self {
-        let sweeps = || outcomes.iter().filter_map(|o| o.levels[i].around.sweeps());
-        let widths = || {
-            sweeps()
-                .filter_map(|s| s.several_hz)
-                .map(|[low, high]| high - low)
-        };
-        let (curves, several) = (sweeps().count(), widths().count());
-        let share = proportion(several, curves, confidence);
-        let of_points = outer_groups(outcomes).into_iter();
-        let of_points = of_points.filter_map(|(outer, members)| {
-            let sweeps = members
-                .iter()
-                .filter_map(|&s| outcomes[s].levels[i].around.sweeps());
-            let several = sweeps.clone().filter(|s| s.several_hz.is_some()).count();
-            Some(CurvesOfPoint {
-                outer: outer?,
-                curves: sweeps.count(),
-                several,
-            })
-        });
-        // of equal shares the first point
-        let more = |most: CurvesOfPoint, next: CurvesOfPoint| match next.several * most.curves
-            > most.several * next.curves
-        {
-            true => next,
-            false => most,
-        };
+        let sweeps = outcomes.iter().filter_map(|o| o.levels[i].around.sweeps());
+        let (curves, several) = counted(sweeps.clone());
+        let ends = sweeps.clone().filter_map(|s| s.several_hz);
         Self {
             curves,
             several,
-            share: share.filter(|_| !nested(outcomes)),
-            worst_point: of_points.filter(|of| of.curves > 0).reduce(more),
-            widest_hz: widths().reduce(f64::max),
-            lowest_ratio: sweeps().map(ratio).reduce(f64::min),
+            share: proportion(several, curves, confidence).filter(|_| !nested(outcomes)),
+            worst_point: worst_point(outcomes, i),
+            widest_hz: ends.map(|[low, high]| high - low).reduce(f64::max),
+            lowest_ratio: sweeps.map(ratio).reduce(f64::min),
         }
     }
 
-    /// `several answers on 3 of 30 curves`.
+    /// `several answers on 3 of 30 curves`; with outer points those of the worst one.
     #[must_use]
     pub fn in_words(&self) -> String {
-        match self.worst_point {
-            None => several_in_words(self.several, self.curves),
-            Some(CurvesOfPoint {
-                curves, several, ..
-            }) => several_in_words(several, curves) + " of the worst outer point",
+        let (curves, several, of) = match self.worst_point {
+            None => (self.curves, self.several, ""),
+            Some(point) => (point.curves, point.several, " of the worst outer point"),
+        };
+        match curves {
+            0 => "several answers not looked for: no curves".to_owned(),
+            curves => format!("several answers on {several} of {curves} curves{of}"),
         }
     }
 }
 
-/// `several answers on 3 of 30 curves`.
-pub(in crate::report) fn several_in_words(several: usize, curves: usize) -> String {
-    match curves {
-        0 => "several answers not looked for: no curves".to_owned(),
-        curves => format!("several answers on {several} of {curves} curves"),
-    }
+/// Number of curves, and of those with several solutions at some frequency.
+fn counted<'a>(sweeps: impl Iterator<Item = &'a SweepRecord>) -> (usize, usize) {
+    sweeps.fold((0, 0), |(curves, several), sweeps| {
+        (
+            curves + 1,
+            several + usize::from(sweeps.several_hz.is_some()),
+        )
+    })
+}
+
+/// The outer point with the largest share of several answers at level `i`; of equal shares the first.
+fn worst_point(outcomes: &[SampleOutcome], i: usize) -> Option<CurvesOfPoint> {
+    let of_point = |(outer, members): (Option<u64>, Vec<usize>)| {
+        let records = members.iter().map(|&sample| &outcomes[sample].levels[i]);
+        let (curves, several) = counted(records.filter_map(|level| level.around.sweeps()));
+        let outer = outer.filter(|_| curves > 0)?;
+        Some(CurvesOfPoint {
+            outer,
+            curves,
+            several,
+        })
+    };
+    let is_worse =
+        |a: &CurvesOfPoint, b: &CurvesOfPoint| a.several * b.curves > b.several * a.curves;
+    let points = outer_groups(outcomes).into_iter().filter_map(of_point);
+    points.reduce(|worst, next| if is_worse(&next, &worst) { next } else { worst })
 }
 
 /// The lower over the higher of the largest amplitudes that both sweeps meet.

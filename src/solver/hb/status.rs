@@ -11,8 +11,8 @@ pub enum Status {
     /// Converged, but the stated truncation error is above the threshold, or not known, and the solution has no more
     /// harmonics: the study allows none, or it was not found with more.
     TruncationAboveThreshold,
-    /// Converged, but a small disturbance grows from period to period: the structure does not stay in this vibration. Whatever the
-    /// truncation error.
+    /// Converged, with any truncation error, but a small disturbance grows from period to period: the structure does not stay in this
+    /// vibration.
     Unstable,
     /// Converged and not assessed for stability, but a part that only contacts hold lifts off for most of the time.
     BouncingContact,

@@ -92,7 +92,7 @@ fn sentences(orders: &[OrderSummary]) -> Vec<Verdict> {
                     "Engine order {}: {}",
                     order.engine_order, result.criterion.name
                 ),
-                sentence: format!("{} ({})", result.sentence, order.several_in_words()),
+                sentence: order.sentence(result),
             }
         };
         order.criteria.iter().map(verdict).collect()
