@@ -66,7 +66,8 @@ const GROWTH_SHARE: f64 = 1e-2;
 /// Residuals below this are round-off.
 const SHARPEST: f64 = 1e-13;
 /// Steps up to this length (relative change of the displacements) are round-off: the solution from which one would begin is the maximum.
-const NEGLIGIBLE: f64 = 1e-12;
+/// Where residuals must be close to round-off, Newton's method may fail on steps of some 1e-12.
+const NEGLIGIBLE: f64 = 1e-10;
 /// Most points of one search.
 const MAX_POINTS: usize = 40;
 /// Distances at which [`highest_nearby`] starts its searches (relative change of the displacements).
