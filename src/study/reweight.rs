@@ -157,6 +157,10 @@ fn drawn_inputs<'a>(
         let j = inputs.iter().position(|input| input.name == name)?;
         Some((j, inputs[j].distribution.as_ref()?))
     };
+    if let Some(input) = table.inputs.iter().find(|input| input.numbers_draws()) {
+        let rule = "must be absent: its values only number the draws of a field";
+        return Err(format!("column {}: {rule}", input.name()));
+    }
     let names = table.inputs.iter().map(|input| input.name());
     let rule = "must be an input that the study draws from a distribution";
     names
@@ -209,7 +213,12 @@ fn changes(run: &StoredRun, path: &Path, text: &str) -> Result<Vec<Change>, Erro
             .position(|input| input.name == *name);
         let old = column.and_then(|j| run.record.inputs[j].distribution.clone());
         let (Some(column), Some(old), Some(input)) = (column, old, Input::from_name(name)) else {
-            let rule = "must be an input that the study draws from a distribution";
+            let rule = match column.is_some_and(|j| run.record.inputs[j].distribution.is_some()) {
+                true => {
+                    "must be an input that [inputs] of a study can name: this one comes from the model"
+                }
+                false => "must be an input that the study draws from a distribution",
+            };
             return Err(document.at_key(&key, rule.to_owned()));
         };
         let uncertainty = document.checked(table.uncertainty().map_err(|bad| bad.under(&key)))?;

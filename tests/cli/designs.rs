@@ -14,6 +14,7 @@ fn inspect(head: &str, tail: &str) -> Result<String, String> {
     std::fs::write(folder.path().join("study.toml"), format!("{text}\n{tail}")).unwrap();
     std::fs::write(folder.path().join("good.csv"), "stiffness_scale\n1\n2\n3\n").unwrap();
     std::fs::write(folder.path().join("bad.csv"), "stiffness_scale\n1\nx\n").unwrap();
+    std::fs::write(folder.path().join("gap.csv"), "stiffness_scale\n1\n\n3\n\n").unwrap();
     let output = microslip(folder.path(), &["inspect", "study.toml"]);
     if output.status.success() {
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -223,6 +224,11 @@ fn bad_file_of_samples_names_line_key_and_rule() {
             TEN,
             "[design]\nkind = \"file\"\npath = \"bad.csv\"".to_owned(),
             "bad.csv:3: stiffness_scale = \"x\": must be a number",
+        ),
+        (
+            TEN,
+            "[design]\nkind = \"file\"\npath = \"gap.csv\"".to_owned(),
+            "gap.csv:3: must have no empty line between values",
         ),
         (
             TEN,

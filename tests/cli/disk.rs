@@ -124,6 +124,12 @@ fn runs_of_other_disks_are_refused() {
             "has another range of speeds",
         ),
         ("levels", "[1.0, 20.0]", "[1.0, 21.0]", "has other levels"),
+        (
+            "base",
+            "speed_rpm",
+            "margin_relative_to = \"resonance\"\nspeed_rpm",
+            "has margins that are relative to something else",
+        ),
     ];
     for (name, old, new, rule) in cases {
         assert_refused(
@@ -148,6 +154,35 @@ fn runs_of_other_disks_are_refused() {
     let edited = microslip(path, &["disk", "order-3", "order-5"]);
     let rule = "order-5: samples.parquet is not the file that the run wrote";
     assert_refused("edited", &edited, &[rule]);
+}
+
+/// Each engine order may have a band of its own: the highest one ends the lists of nominal frequencies, whichever run comes first. Seen to fail
+/// with the program before, which called it another disk.
+#[test]
+fn engine_orders_may_have_bands_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    solved(path, &[3, 5]);
+    let text = std::fs::read_to_string(path.join("order-5.toml")).unwrap();
+    assert!(text.contains("[100, 400]"));
+    // twice the highest frequency of the band ends a list
+    solve_study(path, "low", &text.replace("[100, 400]", "[100, 240]"));
+    let nominal = |first: &str, second: &str| {
+        let output = microslip(path, &["disk", first, second, "--output", "disk"]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let json = std::fs::read_to_string(path.join("disk/disk.json")).unwrap();
+        let json: Value = serde_json::from_str(&json).unwrap();
+        json["nodal_diameters"].clone()
+    };
+    let whole = nominal("order-3", "order-5");
+    let record = std::fs::read_to_string(path.join("low/run.json")).unwrap();
+    let record: Value = serde_json::from_str(&record).unwrap();
+    assert_ne!(
+        record["disk"]["nodal_diameters"], whole,
+        "no frequency is left out"
+    );
+    assert_eq!(nominal("order-3", "low"), whole);
+    assert_eq!(nominal("low", "order-3"), whole);
 }
 
 /// More samples of a disk are not replaced by fewer of another engine order; as many are, and a warning says so. Seen to fail with the

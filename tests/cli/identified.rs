@@ -31,6 +31,14 @@ const TANGENTIAL: &str = r#"{ "format": 1,
   "correlation": [[1.0, -0.6], [-0.6, 1.0]] }
 "#;
 
+/// Friction alone, as few specimens leave it: a part of it lies above 10.
+const WIDE: &str = r#"{ "format": 1,
+  "inputs": [
+    { "parameter": "friction_coefficient", "shape": { "lognormal": { "median": 0.5, "log_standard_deviation": 2.0 } } }
+  ],
+  "correlation": [[1.0]] }
+"#;
+
 /// A folder with the study and `identified.json`; `inputs` stands in place of the table of the friction coefficient.
 fn identified(json: &str, inputs: &str) -> TempDir {
     let folder = folder("study.toml", TABLE, inputs);
@@ -54,6 +62,25 @@ fn moments(columns: [Vec<f64>; 2]) -> ([[f64; 2]; 2], f64) {
     };
     let [s, t] = [product(0, 0).sqrt(), product(1, 1).sqrt()];
     ([[means[0], s], [means[1], t]], product(0, 1) / (s * t))
+}
+
+/// The tail of a wide distribution ends at the largest value that can be meant, and the rest of it stays; one that lies beyond by more than
+/// a half is refused. Seen to fail with the program before, which refused both and told the user to cut what no key can cut.
+#[test]
+fn the_tail_of_few_specimens_ends_at_the_largest_value() {
+    let study = study(WIDE, FROM).unwrap();
+    let samples: Vec<f64> = (0..4000).map(|i| study.design.sample(i)[0]).collect();
+    let largest = samples.iter().copied().fold(0.0, f64::max);
+    assert!((5.0..=10.0).contains(&largest), "{largest}");
+    // 93.27 % of the whole lie below 10, and of these below 0.5: half of the whole
+    let below = samples.iter().filter(|mu| **mu < 0.5).count() as f64 / 4000.0;
+    assert!((below - 0.5 / 0.9327).abs() < 0.02, "{below}");
+    let beyond = WIDE.replace("\"median\": 0.5", "\"median\": 20.0");
+    let refused = crate::identified::study(&beyond, FROM).unwrap_err();
+    assert!(
+        refused.contains("must not give values above 10"),
+        "{refused}"
+    );
 }
 
 /// Samples have the medians, scatters and correlation of the file; stiffnesses are divided by the nominal ones. Seen to fail with

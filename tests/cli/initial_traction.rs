@@ -190,6 +190,21 @@ fn tractions_that_cannot_be_meant_are_refused() {
     assert_refused("not held", &output, &[place]);
 }
 
+/// Draws of it have no density either. Seen to fail with the program before, which weighted samples by them.
+#[test]
+fn samples_are_not_weighted_by_its_draws() {
+    let folder = study(("box", "[0.5]"), 2, &format!("{INPUT}{STIFFNESS}"));
+    let path = folder.path();
+    samples(path, &[]);
+    let draws = (0..1000).map(|k| format!("{}\n", 1e-3 * f64::from(k)));
+    let draws = format!("initial_traction\n{}", draws.collect::<String>());
+    std::fs::write(path.join("draws.csv"), draws).unwrap();
+    let output = microslip(path, &["reweight", "out", "--posterior", "draws.csv"]);
+    let rule =
+        "column initial_traction: must be absent: its values only number the draws of a field";
+    assert_refused("draws", &output, &["draws.csv", rule]);
+}
+
 /// There are no results along the number of a draw. Seen to fail with results at its 5 % and 95 % value.
 #[test]
 fn the_number_of_a_draw_is_no_input_to_go_along() {

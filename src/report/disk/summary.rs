@@ -108,7 +108,7 @@ impl DiskSummary {
             speed_rpm: operation.map_or([0.0; 2], |operation| operation.speed_rpm),
             dwell_rpm: operation.map_or(Vec::new(), |operation| operation.dwell_rpm.clone()),
             orders,
-            nodal_diameters: disk.map_or(Vec::new(), |disk| disk.nodal_diameters.clone()),
+            nodal_diameters: nodal_diameters(runs),
         })
     }
 }
@@ -125,7 +125,7 @@ fn same_disk<'a>(first: &StoredRun, run: &'a StoredRun) -> Result<&'a DiskRecord
     let Some(of_first) = &first.disk else {
         return Err("the first run is none of a model of kind \"cyclic\"".to_owned());
     };
-    if disk.sectors != of_first.sectors || disk.nodal_diameters != of_first.nodal_diameters {
+    if disk.sectors != of_first.sectors || !have_the_same(disk, of_first) {
         return Err("has another disk: its sectors or their nominal frequencies differ".to_owned());
     }
     let sectors = disk.sector.as_ref().zip(of_first.sector.as_ref());
@@ -155,7 +155,32 @@ fn same_disk<'a>(first: &StoredRun, run: &'a StoredRun) -> Result<&'a DiskRecord
     if speeds(run) != speeds(first) {
         return Err("has another range of speeds, or other speeds that are held".to_owned());
     }
+    let base = |of: &RunRecord| {
+        let operation = of.requirements.operation.as_ref();
+        operation.map(|operation| operation.margin_relative_to)
+    };
+    if base(run) != base(first) {
+        let what = "margins that are relative to something else";
+        return Err(format!("has {what}: operation.margin_relative_to differs"));
+    }
     Ok(disk)
+}
+
+/// Whether two disks have the same nominal frequencies, as far as both state them: the bands of their studies end the lists.
+fn have_the_same(one: &DiskRecord, other: &DiskRecord) -> bool {
+    let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b);
+    let diameters = one.nodal_diameters.iter().zip(&other.nodal_diameters);
+    let mut pairs = diameters.map(|(a, b)| [(&a.free_hz, &b.free_hz), (&a.stuck_hz, &b.stuck_hz)]);
+    one.nodal_diameters.len() == other.nodal_diameters.len()
+        && pairs.all(|lists| lists.iter().all(|(a, b)| same(a, b)))
+}
+
+/// The longest list of nominal frequencies that one of the `runs` has: that of the highest band.
+fn nodal_diameters(runs: &[StoredRun]) -> Vec<NodalRecord> {
+    let of_runs = runs.iter().filter_map(|run| run.record.disk.as_ref());
+    let lists = of_runs.map(|disk| &disk.nodal_diameters);
+    let length = |list: &&Vec<NodalRecord>| list.iter().map(|d| d.stuck_hz.len()).sum::<usize>();
+    lists.max_by_key(length).cloned().unwrap_or_default()
 }
 
 impl OrderSummary {

@@ -50,6 +50,7 @@ impl Reader<'_> {
         let names = heading.fields.iter().map(AsRef::as_ref);
         let inputs = columns(names).map_err(|rule| self.at(heading.line, rule))?;
         let mut rows = Vec::new();
+        let mut last = heading.line;
         for row in table {
             let row = row?;
             let values = row.fields.iter().zip(&inputs).map(|(text, input)| {
@@ -60,6 +61,15 @@ impl Reader<'_> {
             });
             let values: Result<_, _> = values.collect();
             rows.push(values.map_err(|rule| self.at(row.line, rule))?);
+            last = row.line;
+        }
+        // of one column an empty line may be a missing value
+        let between = heading.line + 1..last;
+        let is_empty =
+            |(line, text): &(u64, &str)| between.contains(line) && text.trim().is_empty();
+        if let (1, Some((line, _))) = (inputs.len(), (1..).zip(text.lines()).find(is_empty)) {
+            let rule = "must have no empty line between values".to_owned();
+            return Err(self.at(line, rule));
         }
         Ok(SampleTable { inputs, rows })
     }

@@ -5,6 +5,9 @@ use crate::file::FileError;
 use faer::{Mat, c64};
 use std::path::Path;
 
+/// Imaginary part of a diagonal entry of a Hermitian matrix, over the real one, that is round-off.
+const ROUND_OFF: f64 = 1e-12;
+
 /// A complex matrix, and how exactly its file states it.
 #[derive(Debug)]
 pub(super) struct StatedComplex {
@@ -46,8 +49,12 @@ impl Collects for Complex {
     fn add(&mut self, entry: Entry) -> Result<(), String> {
         let Entry { row, column, .. } = entry;
         self.given.add(entry)?;
-        let value = c64::new(entry.value, entry.imaginary);
-        if self.shape.hermitian && row == column && entry.imaginary != 0.0 {
+        let mut value = c64::new(entry.value, entry.imaginary);
+        let on_diagonal = self.shape.hermitian && row == column;
+        if on_diagonal && entry.imaginary.abs() <= ROUND_OFF * entry.value.abs() {
+            value.im = 0.0;
+        }
+        if on_diagonal && value.im != 0.0 {
             let place = place(row, column);
             return Err(format!(
                 "{place} = {value}: must be real in a Hermitian matrix"

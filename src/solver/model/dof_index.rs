@@ -22,10 +22,13 @@ impl DofIndex {
                 return Err(BadSetting::new(key, weight, rule));
             };
             within(&key, weight, [-LARGEST, LARGEST])?;
-            if weight != 0.0 {
-                row.push((i, weight));
+            // a boundary of a disk has two names
+            match row.iter_mut().find(|(known, _)| *known == i) {
+                Some((_, sum)) => *sum += weight,
+                None => row.push((i, weight)),
             }
         }
+        row.retain(|&(_, weight)| weight != 0.0);
         row.sort_by_key(|&(i, _)| i);
         Ok(row)
     }

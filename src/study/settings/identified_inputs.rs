@@ -168,8 +168,18 @@ fn once(input: Input, file: &Path, i: usize, own: &BTreeSet<&str>) -> Result<(),
     BadSetting::unless(!own.contains(input.name()), &key, "(given)", &rule)
 }
 
+/// The distribution of an input. Few specimens leave its tail so wide that it may reach beyond the largest value that can be meant: it ends
+/// there, unless half of it lies beyond.
 fn accepted(input: Input, shape: Shape) -> Result<Distribution, BadSetting> {
-    let distribution = Distribution::new(shape, None)?;
+    let whole = Distribution::new(shape, None)?;
+    let [low, high] = whole.support();
+    let largest = input.largest();
+    let is_cut =
+        high.is_infinite() && whole.quantile(0.5) < largest && input.accepts(&whole).is_err();
+    let distribution = match is_cut {
+        true => Distribution::new(shape, Some([low, largest]))?,
+        false => whole,
+    };
     input.accepts(&distribution)?;
     Ok(distribution)
 }

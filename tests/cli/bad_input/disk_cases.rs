@@ -139,6 +139,26 @@ pub(crate) const DISK_BEYOND_SCHEMA: &[Case] = &[
         ],
     ),
     (
+        "sectors = 12",
+        "sectors = 12\nblade_frequency_scatter = 0.01\nblade = [\"strip.z\"]",
+        &[":9: model.blade = strip.z: must name degrees of freedom with a stiffness among them"],
+    ),
+    (
+        "responses = [\"blade.x\"]",
+        "responses = [\"next:blade.x\"]\nblade_frequency_scatter = 0.01\nblade = [\"blade.x\"]",
+        &[":16: model.responses[0] = next:blade.x: must be on the sector itself where"],
+    ),
+    (
+        "responses = [\"blade.x\"]",
+        "responses = [{ name = \"none\", row = { \"next:left.x\" = 1.0, \"right.x\" = -1.0 } }]",
+        &[":16: model.responses[0] = none: must have a weight that is not zero"],
+    ),
+    (
+        "t1 = { \"strip.x\" = 1.0, \"next:blade.x\" = -1.0 }",
+        "t1 = { \"next:left.x\" = 1.0, \"right.x\" = -1.0 }",
+        &[":20: model.contact[0].t1 = {}: must have a weight that is not zero"],
+    ),
+    (
         "stiffness = \"stiffness.mtx\"",
         "stiffness = \"stiffness-{nd}.mtx\"",
         &[":8: model.mass = mass.mtx: must have {nd} in its name, as the other matrices have"],

@@ -129,6 +129,7 @@ impl SectorMatrices {
         excited(&cosine_force, &sine_force)?;
         let static_force = places.gathered(&vector("static_force", &of.static_force)?);
         let responses: Vec<Response> = of.response_rows(&own, &index)?;
+        self.of_one_blade(&responses, own.len())?;
         let disk = Disk {
             name: name.to_owned(),
             n_sectors,
@@ -183,6 +184,16 @@ impl SectorMatrices {
         Err(BadSetting::new(format!("{key}.{name}"), weight, rule))
     }
 
+    /// Refuses responses on the next sector where blades differ: an amplitude is that of the blade of its sector.
+    fn of_one_blade(&self, responses: &[Response], n_own: usize) -> Result<(), BadSetting> {
+        let of_next = |response: &Response| response.row.iter().any(|&(dof, _)| dof >= n_own);
+        let rule = "must be on the sector itself where blade_frequency_scatter is given: the amplitude is that of its blade";
+        responses.iter().enumerate().try_for_each(|(i, response)| {
+            let fits = self.blade.is_empty() || !of_next(response);
+            BadSetting::unless(fits, &format!("responses[{i}]"), &response.name, rule)
+        })
+    }
+
     /// What the stiffness of a sector has among the blade's degrees of freedom.
     fn blade_stiffness(
         &self,
@@ -208,7 +219,12 @@ impl SectorMatrices {
             true => of_sector[(i, j)],
             false => 0.0,
         };
-        Ok(Some(Mat::from_fn(n, n, entry)))
+        let stiffness = Mat::from_fn(n, n, entry);
+        if stiffness.norm_max() == 0.0 {
+            let rule = "must name degrees of freedom with a stiffness among them: without one no blade deviates";
+            return Err(BadSetting::new("blade", self.blade.join(", "), rule));
+        }
+        Ok(Some(stiffness))
     }
 
     fn places(&self, names: &[String]) -> Result<Places, BadSetting> {
