@@ -26,16 +26,26 @@ pub(super) struct IdentifyArguments {
     #[arg(long, value_name = "FILE")]
     pressure_map: Option<PathBuf>,
     /// Confidence of the intervals.
-    #[arg(long, default_value_t = IdentifySettings::default().confidence)]
+    #[arg(long, default_value_t = IdentifySettings::default().confidence, allow_hyphen_values = true)]
     confidence: f64,
     /// Tangential stiffness of the rig in series with the contact, which the displacement sensor sees too.
-    #[arg(long, value_name = "N/UM")]
+    #[arg(long, value_name = "N/UM", allow_hyphen_values = true)]
     series_stiffness_n_per_um: Option<f64>,
     /// Standard uncertainty of the gain of each force sensor, the same in all tests.
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
     force_error_percent: f64,
     /// Standard uncertainty of the gain of the displacement sensors, the same in all tests.
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
     displacement_error_percent: f64,
     /// Offset of the normal force, which is subtracted: loops do not show it.
     #[arg(
@@ -49,10 +59,15 @@ pub(super) struct IdentifyArguments {
     #[arg(long, value_name = "CYCLES")]
     run_in: Option<usize>,
     /// Greatest friction coefficient that is possible: gives a distribution if no test slips.
-    #[arg(long, value_name = "COEFFICIENT")]
+    #[arg(long, value_name = "COEFFICIENT", allow_hyphen_values = true)]
     friction_at_most: Option<f64>,
     /// Area of the study's interface over that of the tested contact: multiplies the stiffness for the study.
-    #[arg(long, value_name = "RATIO", default_value_t = 1.0)]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value_t = 1.0,
+        allow_hyphen_values = true
+    )]
     interface_area_ratio: f64,
     /// No tables.
     #[arg(long)]

@@ -7,6 +7,8 @@ use crate::units::{hz_to_rad_s, um_to_m};
 const FREQUENCY_HZ: [f64; 2] = [1e-3, 1e5];
 /// Samples of one test at most.
 const MOST_SAMPLES: usize = 10_000_000;
+/// Fewest samples of a cycle.
+const FEWEST_SAMPLES: usize = 16;
 /// Tests of a specimen at most.
 const MOST_TESTS: u64 = 10_000;
 /// Amplitude of the platform that is not given (µm).
@@ -64,9 +66,9 @@ impl Excitation {
         let rule = format!("must be at least 1, and give at most {MOST_TESTS} tests");
         let some = (1..=MOST_TESTS).contains(&tests);
         BadSetting::unless(some, "repetitions", self.repetitions, &rule)?;
-        let enough = self.samples_per_cycle >= 8;
-        let rule = "must be at least 8";
-        BadSetting::unless(enough, "samples_per_cycle", self.samples_per_cycle, rule)?;
+        let enough = self.samples_per_cycle >= FEWEST_SAMPLES;
+        let rule = format!("must be at least {FEWEST_SAMPLES}, as `identify` needs");
+        BadSetting::unless(enough, "samples_per_cycle", self.samples_per_cycle, &rule)?;
         BadSetting::unless(
             self.cycles >= 1,
             "cycles",

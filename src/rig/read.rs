@@ -130,7 +130,11 @@ impl Rig {
         let Some(settings) = &self.response else {
             return Ok(None);
         };
-        let study = Study::read(&self.folder().join(&settings.study))?;
+        let read = Study::read(&self.folder().join(&settings.study));
+        let study = read.map_err(|error| match error {
+            Error::File(error) => document.bad_file(error),
+            other => other,
+        })?;
         let ModelSettings::TwoBladeStrip { blades, .. } = &study.model else {
             let rule = "must be \"two-blade-strip\" for a virtual rig";
             let kind = BadSetting::new("model.kind", study.model.kind(), rule);

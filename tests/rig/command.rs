@@ -131,7 +131,7 @@ const DAMAGES: &[(&str, &str, &str)] = &[
     (
         "= 100\n",
         "= 7\n",
-        "rig.toml:15: excitation.samples_per_cycle = 7: must be at least 8",
+        "rig.toml:15: excitation.samples_per_cycle = 7: must be at least 16, as `identify` needs",
     ),
     (
         "= 100\n",
@@ -161,7 +161,7 @@ const DAMAGES: &[(&str, &str, &str)] = &[
     (
         "= 100\n",
         "= 100\n[response]\nstudy = \"none.toml\"",
-        "none.toml",
+        "rig.toml:17: response.study = \"none.toml\": must name a file: there is no",
     ),
     (
         "= 100\n",

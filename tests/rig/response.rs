@@ -38,7 +38,12 @@ fn refused_response(study: &str) -> String {
 #[test]
 fn a_wrong_response_study_costs_no_simulation() {
     for (study, expected) in [
-        ("none.toml", &["error: none.toml: "][..]),
+        (
+            "none.toml",
+            &[
+                "error: rig.toml:17: response.study = \"none.toml\": must name a file: there is no none.toml",
+            ][..],
+        ),
         (
             "disk.toml",
             &["error: disk.toml:4: model.kind = cyclic: must be \"two-blade-strip\""],

@@ -58,14 +58,23 @@ fn bad_loops_name_line_column_and_rule() {
     let text = table(200, "0,0,0,100", "0,0,0,100");
     let fragment = &["no test can be used: loops.csv:2: loops "];
     refused(folder.path(), "loops.csv", &text, &identify, fragment);
-    let more = [&identify[..], &["--confidence", "2"]].concat();
-    refused(
-        folder.path(),
-        "loops.csv",
-        &text,
-        &more,
-        &["confidence = 2: must be from 0.5"],
-    );
+    for (option, value, expected) in [
+        ("--confidence", "2", "confidence = 2: must be from 0.5"),
+        // seen to fail with the program before, which took -5 for an option
+        (
+            "--series-stiffness-n-per-um",
+            "-5",
+            "series_stiffness_n_per_um = -5: must be a finite number > 0",
+        ),
+        (
+            "--force-error-percent",
+            "-1",
+            "force_error_percent = -1: must be a finite number >= 0",
+        ),
+    ] {
+        let more = [&identify[..], &[option, value]].concat();
+        refused(folder.path(), "loops.csv", &text, &more, &[expected]);
+    }
     let missing = ["identify", "none.csv", "--output", "out"];
     refused(folder.path(), "loops.csv", &text, &missing, &["none.csv: "]);
 }
