@@ -12,3 +12,4 @@ mod recovery;
 mod refusal;
 mod round_robin;
 mod synthetic;
+mod varying_load;

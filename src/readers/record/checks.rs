@@ -218,7 +218,7 @@ impl<'c> Place<'c> {
         Err(self.sample(first, &rule))
     }
 
-    /// The force that swings most and does the work is the tangential one.
+    /// The force that swings most and does the work is the tangential one, unless that cannot be a normal force.
     fn exchanged(&self) -> Result<(), FileError> {
         let x = self.signal(Quantity::Displacement);
         let forces = [Quantity::NormalForce, Quantity::TangentialForce];
@@ -226,7 +226,10 @@ impl<'c> Place<'c> {
         let swings = forces.map(|force| swing(self.signal(force)));
         let swaps = swings[0] > swings[1] && swings[1] > SWING_N[0];
         let works = normal.done.abs() > WORK_OF_NORMAL * normal.size;
-        if !(swaps && works) || normal.done.abs() <= WORK_EXCHANGED * tangential.done.abs() {
+        let (positive, _) = signs(self.signal(Quantity::TangentialForce));
+        if !(swaps && works && positive >= ONE_SIGN)
+            || normal.done.abs() <= WORK_EXCHANGED * tangential.done.abs()
+        {
             return Ok(());
         }
         let rule = "normal force does more work over the relative displacement than tangential force: are the two exchanged?";

@@ -84,7 +84,8 @@ pub struct TestEstimate {
     pub tangential_force_amplitude_n: f64,
     /// Friction coefficient, from the plateaus of T/N; absent where the contact does not slip as a whole.
     pub friction: Option<Friction>,
-    /// Lower bound of the friction coefficient where the contact does not slip as a whole: half the swing of T/N.
+    /// Lower bound of the friction coefficient where the contact does not slip as a whole: the T/N at both ends,
+    /// whatever the offset of T.
     pub friction_at_least: Option<f64>,
     /// Tangential stiffness, from the stick branches.
     pub tangential: Tangential,
@@ -143,7 +144,7 @@ pub struct Tangential {
     pub measured_n_per_um: f64,
     /// Samples of the mean cycle in both windows.
     pub samples: [usize; 2],
-    /// Share of the swing of T/N where each window ends.
+    /// Share of the swing of T where each window ends.
     pub window_end: [f64; 2],
     /// Whether parts of the contact slip before the whole, so that the branch is straightened before its slope is taken.
     pub bent: [bool; 2],

@@ -11,7 +11,7 @@ use crate::identify::cycles::scatter::Batches;
 pub(in crate::identify) struct Window<'m> {
     /// First and last place of the half.
     pub(in crate::identify) places: [usize; 2],
-    /// Share of the swing of T/N where it ends.
+    /// Share of the swing of T where it ends.
     pub(in crate::identify) end: f64,
     /// The knee that the branch has, where a part of it slips before the whole.
     pub(in crate::identify) straightened: Option<Straightened<'m>>,
@@ -21,15 +21,17 @@ pub(in crate::identify) struct Window<'m> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::identify) struct Straightened<'m> {
     pub(in crate::identify) knee: Knee<'m>,
-    /// T/N at the reversal before, against the motion, and its swing.
+    /// T/N at the reversal before, against the motion, and at the end, along it.
     pub(super) levels: [f64; 2],
+    /// Offset of T, which is not in these.
+    pub(super) offset: f64,
     /// Mean slope over all knees that are possible, over that with this one.
     pub(super) mean: f64,
     /// Relative standard uncertainty of the slope by the choice of the knee.
     pub(super) model_error: f64,
 }
 
-/// Share of the swing of T/N after a reversal where a window begins.
+/// Share of the swing of T, from a reversal to slip under the normal force of the instant, where a window begins.
 const BEGIN: f64 = 0.1;
 /// Where it ends: the first of these at which the branch is straight.
 const ENDS: [f64; 3] = [0.6, 0.45, 0.3];
@@ -147,11 +149,10 @@ pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window<'_>) -> Optio
     let [first, last] = window.places;
     let (x, mut y) = (half.displacement(cycle), half.force(cycle));
     if let Some(straightened) = &window.straightened {
-        let [before, swing] = straightened.levels;
-        let start = before * cycle.normal[half.sample(0, cycle)];
+        let (start, swings) = half.swings(cycle, straightened.levels);
+        let start = start - half.sign * straightened.offset;
         for (place, force) in y.iter_mut().enumerate().take(last + 1).skip(first) {
-            let ratio = *force / cycle.normal[half.sample(place, cycle)];
-            let share = (ratio + before) / swing;
+            let share = (*force + start) / swings[place];
             if share > 0.0 {
                 *force = (*force + start) * straightened.knee.elastic(share) / share - start;
             }

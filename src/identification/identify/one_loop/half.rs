@@ -105,15 +105,63 @@ impl Half {
         self.samples.saturating_sub(1 + margin)
     }
 
+    /// First and last place that tell the forces shortly before the next reversal.
+    fn end(&self, cycle: &MeanLoop) -> [usize; 2] {
+        let last = self.last(cycle);
+        let count = ((END * cycle.samples() as f64).ceil() as usize).max(3);
+        [(last + 1).saturating_sub(count), last]
+    }
+
     /// T/N in the direction of the motion shortly before the next reversal.
-    pub(in crate::identify) fn end_ratio(
-        &self,
+    pub(super) fn end_ratio(&self, cycle: &MeanLoop, least_normal: f64) -> Option<f64> {
+        let (ratio, [first, last]) = (self.ratio(cycle, least_normal), self.end(cycle));
+        let end = &ratio[first..=last];
+        median(&mut end.iter().copied().flatten().collect::<Vec<f64>>())
+    }
+
+    /// T and N shortly before the next reversal; none where the normal force is too small.
+    fn end_forces(&self, cycle: &MeanLoop, least_normal: f64) -> Option<[f64; 2]> {
+        let [first, last] = self.end(cycle);
+        let closed: Vec<usize> = (first..=last)
+            .map(|place| self.sample(place, cycle))
+            .filter(|i| cycle.normal[*i] > least_normal)
+            .collect();
+        let middle =
+            |signal: &[f64]| median(&mut closed.iter().map(|i| signal[*i]).collect::<Vec<f64>>());
+        Some([middle(&cycle.tangential)?, middle(&cycle.normal)?])
+    }
+
+    /// Force at the reversal before, against the motion, and at each place the swing of the force from there to slip of the whole, where
+    /// T/N has these sizes before the reversal and at the end: the limit of slip goes with the normal force of the instant.
+    pub(super) fn swings(&self, cycle: &MeanLoop, [before, after]: [f64; 2]) -> (f64, Vec<f64>) {
+        let n = cycle.samples();
+        let around = (n - 1..=n + 1).map(|step| cycle.normal[(self.first + step) % n]);
+        let start = before * (around.sum::<f64>() / 3.0).max(0.0);
+        let at = |place| start + after * cycle.normal[self.sample(place, cycle)];
+        (start, (0..self.samples).map(at).collect())
+    }
+}
+
+/// What the forces at both ends of a loop say together, whatever the offset of T.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::identify) struct Ends {
+    /// (T₊ − T₋)/(N₊ + N₋): the friction coefficient where both ends slip, and never more than it.
+    pub(in crate::identify) ratio: f64,
+    /// Offset of T without which T/N has this size at both ends.
+    pub(super) offset: f64,
+}
+
+impl Ends {
+    /// Of the half down and the half up; none where the normal force is too small.
+    pub(in crate::identify) fn of(
+        [down, up]: &[Half; 2],
         cycle: &MeanLoop,
         least_normal: f64,
-    ) -> Option<f64> {
-        let (ratio, last) = (self.ratio(cycle, least_normal), self.last(cycle));
-        let count = ((END * cycle.samples() as f64).ceil() as usize).max(3);
-        let end = &ratio[(last + 1).saturating_sub(count)..=last];
-        median(&mut end.iter().copied().flatten().collect::<Vec<f64>>())
+    ) -> Option<Self> {
+        let down = down.end_forces(cycle, least_normal)?;
+        let up = up.end_forces(cycle, least_normal)?;
+        let ratio = (up[0] - down[0]) / (up[1] + down[1]);
+        let offset = up[0] - ratio * up[1];
+        Some(Self { ratio, offset })
     }
 }

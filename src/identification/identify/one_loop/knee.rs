@@ -25,7 +25,7 @@ pub(in crate::identify) enum Knee<'m> {
     Map(&'m SlipLimits),
 }
 
-/// A branch: displacement since the contact was at its limit, and the share of the swing of T/N.
+/// A branch: displacement since the contact was at its limit, and the share of the swing of T.
 #[derive(Debug, Clone)]
 pub(super) struct Branch {
     /// Displacement over that at which an elastic branch of a first guess would reach full slip.

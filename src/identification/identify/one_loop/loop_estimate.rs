@@ -3,6 +3,7 @@
 use super::branch::slope;
 use super::loop_shape::LoopShape;
 use super::normal::normal_line;
+use super::plateau::SURE;
 use super::slope::Line;
 use crate::identify::cycles::mean_loop::{MeanLoop, neighbour_correlation, robust_scale};
 
@@ -32,6 +33,8 @@ pub(in crate::identify) struct PlateauNumbers {
     pub(in crate::identify) offset: f64,
     /// Slip distance per cycle; absent without a stick slope.
     pub(in crate::identify) slip_distance: Option<f64>,
+    /// Elastic part of the travel per cycle; absent without a stick slope.
+    elastic_travel: Option<f64>,
     /// Mean normal force on the plateaus.
     pub(in crate::identify) normal: f64,
 }
@@ -65,6 +68,24 @@ impl LoopNumbers {
     /// Slope of the stick branches (N/m), of their mean compliance.
     pub(in crate::identify) fn stick(&self) -> Option<f64> {
         self.compliance().filter(|mean| *mean > 0.0).map(f64::recip)
+    }
+
+    /// Whether the plateaus leave a way to slip beside the elastic travel, by more than its error. A contact that sticks has none, though a
+    /// normal force that grows may make its T/N flat. What noise hides is no slip.
+    pub(in crate::identify) fn has_way_to_slip(&self) -> bool {
+        let ways = self
+            .friction
+            .and_then(|p| p.slip_distance.zip(p.elastic_travel));
+        ways.is_none_or(|(slip, elastic)| slip > SURE * elastic * self.error_of_stick())
+    }
+
+    /// Relative standard error of the slope of the stick branches, by the points of both; 0 of branches without one.
+    fn error_of_stick(&self) -> f64 {
+        let lines = self.lines.iter().flatten();
+        let errors = lines.map(|line| line.standard_error.unwrap_or(0.0) / line.slope.powi(2));
+        let count = self.lines.iter().flatten().count().max(1) as f64;
+        let both = errors.map(|error| error * error).sum::<f64>().sqrt() / count;
+        both * self.stick().unwrap_or(0.0)
     }
 
     /// Energy over slip distance and normal force.
@@ -114,6 +135,7 @@ fn plateaus(
             .map(|(a, b)| a.hypot(b) / (up[1] + down[1])),
         offset,
         slip_distance: stick.map(|stick| 2.0 * (travel - swing / stick)),
+        elastic_travel: stick.map(|stick| 2.0 * swing / stick),
         normal: 0.5 * (up[1] + down[1]),
     }
 }
@@ -134,7 +156,7 @@ pub(super) fn samples(
     if closed.is_empty() {
         return all.collect();
     }
-    let ratio = |i: &usize| cycle.tangential[*i] / cycle.normal[*i];
+    let ratio = |i: &usize| (cycle.tangential[*i] - shape.offset) / cycle.normal[*i];
     let ratios: Vec<f64> = closed.iter().map(ratio).collect();
     let Some([usual, deviation]) = robust_scale(&ratios) else {
         return closed;

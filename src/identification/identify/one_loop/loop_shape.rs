@@ -1,7 +1,7 @@
 //! Where the mean loop of a test sticks and where it slips; the same places then serve every loop of the test.
 
 use super::branch::{Straightened, Window, is_straight, slope, window};
-use super::half::{Half, halves};
+use super::half::{Ends, Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
 use super::plateau::{level, plateau};
 use super::slip_limits::PressureSpread;
@@ -19,6 +19,8 @@ pub(in crate::identify) struct LoopShape<'m> {
     pub(in crate::identify) plateaus: Option<[[usize; 2]; 2]>,
     /// Normal force below which T/N is not taken (N).
     pub(in crate::identify) least_normal: f64,
+    /// Offset of T without which T/N has the same size at both ends (N).
+    pub(super) offset: f64,
 }
 
 /// Normal force over its mean, below which the contact may be open and T/N is not taken.
@@ -33,7 +35,29 @@ pub(in crate::identify) fn shape<'m>(
     batches: Batches<'_>,
     spread: PressureSpread<'m>,
 ) -> Result<LoopShape<'m>, String> {
-    found(cycle, batches, spread, false)
+    found(cycle, batches, spread, Sought::AsSeen)
+}
+
+/// Places of the mean loop of a contact that does not slip as a whole, although T/N seems to say so.
+///
+/// # Errors
+/// Why it is no loop.
+pub(in crate::identify) fn shape_without_slip<'m>(
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
+) -> Result<LoopShape<'m>, String> {
+    found(cycle, batches, PressureSpread::Unknown, Sought::NoSlip)
+}
+
+/// What is sought in a loop.
+#[derive(Clone, Copy, PartialEq)]
+enum Sought {
+    /// Plateaus, and a knee where the branches are not straight.
+    AsSeen,
+    /// A knee of its branches whether they are straight or not.
+    Knee,
+    /// Branches alone.
+    NoSlip,
 }
 
 impl<'m> LoopShape<'m> {
@@ -49,16 +73,16 @@ impl<'m> LoopShape<'m> {
         batches: Batches<'_>,
         spread: PressureSpread<'m>,
     ) -> Option<Self> {
-        found(cycle, batches, spread, true).ok()
+        found(cycle, batches, spread, Sought::Knee).ok()
     }
 }
 
-/// Places of the mean loop, with a knee of its branches whether they are straight or not if `knee` says so.
+/// Places of the mean loop, of what is sought.
 fn found<'m>(
     cycle: &MeanLoop,
     batches: Batches<'_>,
     spread: PressureSpread<'m>,
-    knee: bool,
+    sought: Sought,
 ) -> Result<LoopShape<'m>, String> {
     let normal = cycle.normal.iter().sum::<f64>() / cycle.samples() as f64;
     if normal <= 0.0 {
@@ -68,22 +92,15 @@ fn found<'m>(
     }
     let least_normal = LEAST_NORMAL * normal;
     let halves = halves(cycle, least_normal);
-    let ends = halves.map(|half| half.end_ratio(cycle, least_normal));
-    let [Some(down), Some(up)] = ends else {
-        return Err(
-            "has no normal force before its reversals: the contact is open there".to_owned(),
-        );
-    };
-    if down + up <= 0.0 {
-        return Err("has a tangential force against the displacement: one of them needs the other sign, or this is no hysteresis loop".to_owned());
-    }
-    let sides_of = |levels| Side::both(halves, levels, least_normal, batches);
+    let (cycle, loads, ends) = centred(cycle, &halves, least_normal)?;
+    let cycle = &cycle;
+    let sides_of = |levels| Side::both(halves, levels, loads, batches);
     let windows = |sides: &[Side<'_>; 2]| sides.each_ref().map(|side| side.window(cycle, None));
-    let ends = [down, up];
     let (sides, first) = (sides_of(ends), windows(&sides_of(ends)));
     let stick = stick(cycle, &sides, &first)?;
     let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
-    let plateaus = a.zip(b).map(|(a, b)| [a, b]);
+    let plateaus = a.zip(b).filter(|_| sought != Sought::NoSlip);
+    let plateaus = plateaus.map(|(a, b)| [a, b]);
     let levels = match plateaus {
         Some(places) => [0, 1].map(|side| {
             let half = &halves[side];
@@ -98,7 +115,7 @@ fn found<'m>(
     // a known knee is no guess: a straight branch has it, too
     let known = matches!(spread, PressureSpread::Map(_));
     let bends = || plateaus.is_some() && (known || !are_straight(cycle, &sides, &first));
-    let windows = match knee || bends() {
+    let windows = match sought == Sought::Knee || bends() {
         true => with_knee(cycle, &sides, stick, spread),
         false => first,
     };
@@ -107,15 +124,52 @@ fn found<'m>(
         windows,
         plateaus,
         least_normal,
+        offset: loads.offset,
     })
+}
+
+/// Forces that both halves have in common: that below which T/N is not taken, and the offset that was taken out of T.
+#[derive(Clone, Copy)]
+struct Loads {
+    least_normal: f64,
+    offset: f64,
+}
+
+/// The loop without the offset of T, and T/N at the end of the half down and of the half up. Where the normal force varies T/N is flat on a
+/// plateau only without this offset, which the mean of T over the cycle is not.
+fn centred(
+    cycle: &MeanLoop,
+    halves: &[Half; 2],
+    least_normal: f64,
+) -> Result<(MeanLoop, Loads, [f64; 2]), String> {
+    let open = || "has no normal force before its reversals: the contact is open there".to_owned();
+    let offset = Ends::of(halves, cycle, least_normal)
+        .ok_or_else(open)?
+        .offset;
+    let mut without = cycle.clone();
+    without.tangential.iter_mut().for_each(|t| *t -= offset);
+    let ends = halves
+        .each_ref()
+        .map(|half| half.end_ratio(&without, least_normal));
+    let [Some(down), Some(up)] = ends else {
+        return Err(open());
+    };
+    if down + up <= 0.0 {
+        return Err("has a tangential force against the displacement: one of them needs the other sign, or this is no hysteresis loop".to_owned());
+    }
+    let loads = Loads {
+        least_normal,
+        offset,
+    };
+    Ok((without, loads, [down, up]))
 }
 
 /// Half a cycle with T/N at its ends.
 struct Side<'a> {
     half: Half,
-    /// T/N at the reversal before, against the motion, and its swing.
+    /// T/N at the reversal before, against the motion, and at the end, along it.
     levels: [f64; 2],
-    least_normal: f64,
+    loads: Loads,
     batches: Batches<'a>,
 }
 
@@ -124,25 +178,28 @@ impl<'a> Side<'a> {
     fn both(
         halves: [Half; 2],
         [down, up]: [f64; 2],
-        least_normal: f64,
+        loads: Loads,
         batches: Batches<'a>,
     ) -> [Self; 2] {
         [0, 1].map(|side| Self {
             half: halves[side],
-            levels: [[up, down][side], down + up],
-            least_normal,
+            levels: [[up, down], [down, up]][side],
+            loads,
             batches,
         })
     }
 
-    /// Share of the swing of T/N at each place.
+    /// Share of the swing of the force at each place; none where the normal force is too small. A part of the contact that sticks keeps its
+    /// force where the normal force changes: T/N would bend a straight branch.
     fn shares(&self, cycle: &MeanLoop) -> Vec<Option<f64>> {
-        let [before, swing] = self.levels;
-        let ratio = self.half.ratio(cycle, self.least_normal);
-        ratio
-            .into_iter()
-            .map(|r| r.map(|r| (r + before) / swing))
-            .collect()
+        let (start, swings) = self.half.swings(cycle, self.levels);
+        let ratio = self.half.ratio(cycle, self.loads.least_normal);
+        let force = self.half.force(cycle);
+        let share = |(place, ratio): (usize, Option<f64>)| {
+            let swing = ratio.map(|_| swings[place]).filter(|swing| *swing > 0.0);
+            swing.map(|swing| (force[place] + start) / swing)
+        };
+        ratio.into_iter().enumerate().map(share).collect()
     }
 
     fn window<'m>(
@@ -157,17 +214,18 @@ impl<'a> Side<'a> {
     /// The branch up to well beyond its knee, for a first guess of its slope (N/m).
     fn branch(&self, cycle: &MeanLoop, stick: f64) -> Branch {
         let normal = cycle.normal.iter().sum::<f64>() / cycle.samples() as f64;
-        let full = self.levels[1] * normal / stick;
+        let full = (self.levels[0] + self.levels[1]) * normal / stick;
         let x = self.half.displacement(cycle);
         let last = x
             .partition_point(|x| *x < REACH * full)
             .min(self.half.last(cycle));
         let step = last.div_ceil(MOST_POINTS).max(1);
         let shares = self.shares(cycle);
+        let (_, swings) = self.half.swings(cycle, self.levels);
         // a contact that has stuck for a moment before the reversal begins its branch part of the way along it
-        let begun = shares.first().copied().flatten().unwrap_or(0.0);
-        let points = x.iter().zip(shares).take(last).step_by(step);
-        let point = |(x, share): (&f64, Option<f64>)| Some((begun + x / full, share?));
+        let begun = swings[0] * shares.first().copied().flatten().unwrap_or(0.0);
+        let points = (0..last).step_by(step);
+        let point = |i: usize| Some(((begun + stick * x[i]) / swings[i], shares[i]?));
         let (displacement, share) = points.filter_map(point).unzip();
         Branch {
             displacement,
@@ -231,6 +289,7 @@ fn with_knee<'m>(
         let straightened = fitted.map(|found| Straightened {
             knee: found.knee,
             levels: sides[side].levels,
+            offset: sides[side].loads.offset,
             mean: found.mean[side],
             model_error: found.model_error[side],
         });

@@ -4,7 +4,7 @@
 
 pub(super) mod branch;
 pub(super) mod figure;
-mod half;
+pub(super) mod half;
 mod knee;
 pub(super) mod loop_estimate;
 pub(super) mod loop_shape;

@@ -10,14 +10,14 @@ const KEPT: f64 = 0.6;
 /// Slope over the stick slope up to which a tail is flat.
 const FLAT: f64 = 0.03;
 /// Standard errors of the slope that are added before it is compared: what noise hides is no plateau.
-const SURE: f64 = 2.0;
+pub(super) const SURE: f64 = 2.0;
 /// T/N at the end of a half over that of its plateau, from which on the contact still slips.
 const END_SLIPS: f64 = 0.98;
 /// Fewest samples of a plateau.
 const LEAST_SAMPLES: usize = 5;
 
 /// First and last place of the plateau of a half whose stick branch has this slope (N/m); none where the contact does not slip as a
-/// whole.
+/// whole. The loop is one without an offset of T.
 pub(super) fn plateau(
     half: &Half,
     cycle: &MeanLoop,

@@ -1,5 +1,6 @@
 //! Parameters of one test with their uncertainty, from its mean loop, and what a reader of the result must know.
 
+mod known;
 mod range_end;
 mod series;
 pub mod test_estimate;

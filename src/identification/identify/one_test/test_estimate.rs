@@ -1,20 +1,21 @@
 //! One test: from a record to the parameters of its contact with their uncertainty.
 
+use super::known::known;
 use super::series::Series;
 use super::test_notes::{notes, other_share};
 use super::unlike::{scatter_of, sides_apart};
 use crate::identify::cycles::cycle::{Steady, cut};
 use crate::identify::cycles::mean_loop::{MeanLoop, half_swing, noise, swing};
 use crate::identify::cycles::scatter::{self, ChainError, RandomError, correlation, of_parts};
-use crate::identify::found::parameter::ContactParameter;
 use crate::identify::found::result::{
     Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
 };
 use crate::identify::found::uncertain::{Uncertain, factor};
 use crate::identify::one_loop::branch::leaves_line;
 use crate::identify::one_loop::figure::figure;
+use crate::identify::one_loop::half::Ends;
 use crate::identify::one_loop::loop_estimate::LoopNumbers;
-use crate::identify::one_loop::loop_shape::{LoopShape, shape};
+use crate::identify::one_loop::loop_shape::{LoopShape, shape, shape_without_slip};
 use crate::identify::one_loop::misfit::{elastic_coulomb, misfit};
 use crate::identify::one_loop::slip_limits::{KnownPressure, PressureSpread};
 use crate::identify::settings::IdentifySettings;
@@ -73,26 +74,6 @@ fn identified(
     }
 }
 
-/// The result, if its numbers and their intervals are finite: cycles that differ by many orders of magnitude leave none.
-fn known(result: TestResult) -> Result<TestResult, String> {
-    let estimate = result.estimate.as_ref();
-    let unknown = ContactParameter::ALL.into_iter().find(|parameter| {
-        let found = estimate.and_then(|e| e.value(*parameter));
-        found.is_some_and(|found| {
-            ![found.value, found.lower, found.upper]
-                .iter()
-                .all(|x| x.is_finite())
-        })
-    });
-    match unknown {
-        None => Ok(result),
-        Some(parameter) => Err(format!(
-            "has cycles so different from each other that nothing is known of the {}",
-            parameter.in_words()
-        )),
-    }
-}
-
 /// The numbers of a test, of its mean loop and of its batches.
 struct Test<'a> {
     settings: &'a IdentifySettings,
@@ -116,8 +97,12 @@ impl<'a> Test<'a> {
         spread: PressureSpread<'a>,
         settings: &'a IdentifySettings,
     ) -> Result<Self, String> {
-        let shape = shape(&steady.mean, steady.batches(), spread)?;
-        let mean = LoopNumbers::of(&steady.mean, &shape);
+        let mut shape = shape(&steady.mean, steady.batches(), spread)?;
+        let mut mean = LoopNumbers::of(&steady.mean, &shape);
+        if !mean.has_way_to_slip() {
+            shape = shape_without_slip(&steady.mean, steady.batches())?;
+            mean = LoopNumbers::of(&steady.mean, &shape);
+        }
         let series = Series::of(settings);
         let of_each = |loops: &[MeanLoop]| -> Vec<LoopNumbers> {
             loops
@@ -239,17 +224,14 @@ impl<'a> Test<'a> {
         })
     }
 
-    /// Half the swing of T/N, less what noise and the measuring chain may have added.
+    /// T/N at both ends, whatever the offset of T, less what noise and the measuring chain may have added.
     fn friction_at_least(&self) -> Option<f64> {
-        let half = |cycle: &MeanLoop| {
-            let [a, b] = self
-                .shape
-                .halves
-                .map(|half| half.end_ratio(cycle, self.shape.least_normal));
-            a.zip(b).map(|(a, b)| 0.5 * (a + b))
+        let of_ends = |cycle: &MeanLoop| {
+            let ends = Ends::of(&self.shape.halves, cycle, self.shape.least_normal);
+            ends.map(|ends| ends.ratio)
         };
-        let value = half(&self.steady.mean)?;
-        let batches: Vec<Option<f64>> = self.steady.batches.iter().map(half).collect();
+        let value = of_ends(&self.steady.mean)?;
+        let batches: Vec<Option<f64>> = self.steady.batches.iter().map(of_ends).collect();
         let random = self.scatter(&batches).unwrap_or(RandomError {
             standard_error: noise(&self.steady.mean.tangential) / self.mean.normal,
             freedom: f64::INFINITY,

@@ -19,6 +19,9 @@ const PARTIAL_SLIP: f64 = 0.01;
 /// Offset of T over the force at slip that is told.
 const OFFSET: f64 = 0.05;
 
+/// Friction coefficient below which a force may be in a wrong unit: that of a dry or oily metal is larger.
+const SMALL_FRICTION: f64 = 0.01;
+
 /// Difference between the stated share of the area about the mean pressure and that of a pressure map, that is told.
 const SHARES_APART: f64 = 0.05;
 
@@ -107,6 +110,12 @@ fn of_friction(estimate: &TestEstimate, notes: &mut Vec<String>) {
         ));
     }
     let known = friction.coefficient;
+    if known.value < SMALL_FRICTION {
+        notes.push(format!(
+            "the friction coefficient is {:.2e}, below {SMALL_FRICTION}: is the unit of one force wrong?",
+            known.value
+        ));
+    }
     if let Some([below, above]) = hardly_known(known) {
         notes.push(format!(
             "the friction coefficient is only known to {below:.0} and {above:+.0} %: T/N of the plateaus differs from cycle to cycle"
