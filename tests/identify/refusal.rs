@@ -70,14 +70,23 @@ fn cycles_that_agree_on_nothing_are_no_test() {
     assert_eq!(reason, expected);
 }
 
-/// Seen to fail without the note.
+/// Seen to fail without the note, and with the cycles as the reason where it is the stated error of the cells.
 #[test]
 fn a_friction_coefficient_that_is_hardly_known_is_told() {
     let found = identify_test(&without_load(0.1, 60.0), &IdentifySettings::default());
     let told = |note: &String| note.starts_with("the friction coefficient is only known to ");
     assert!(found.notes.iter().any(told), "{:?}", found.notes);
+    let differs = |note: &String| told(note) && note.ends_with("differs from cycle to cycle");
+    assert!(found.notes.iter().any(differs), "{:?}", found.notes);
     let found = identify_test(&Bench::default().record(), &IdentifySettings::default());
     assert!(!found.notes.iter().any(told), "{:?}", found.notes);
+    let coarse = IdentifySettings {
+        force_error_percent: 4.0,
+        ..IdentifySettings::default()
+    };
+    let found = identify_test(&Bench::default().record(), &coarse);
+    let stated = |note: &String| told(note) && note.ends_with("is stated to be no better");
+    assert!(found.notes.iter().any(stated), "{:?}", found.notes);
 }
 
 /// Seen to fail among noise without the rule of a stated frequency.

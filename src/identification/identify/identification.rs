@@ -106,19 +106,19 @@ fn identify_at(
         .iter()
         .zip(places)
         .filter_map(|(test, place)| match &test.status {
-            TestStatus::Unusable(reason) => Some((place, &test.name, reason)),
+            TestStatus::Unusable(reason) => Some((place, reason)),
             _ => None,
         });
-    let reasons: Vec<(&String, &String, &String)> = reasons.collect();
+    let reasons: Vec<(&String, &String)> = reasons.collect();
     if reasons.len() == tests.len() {
         let each = reasons
             .iter()
-            .map(|(place, _, reason)| format!("{place} {reason}"));
+            .map(|(place, reason)| format!("{place} {reason}"));
         return Err(IdentifyError::NoTest(each.collect::<Vec<_>>().join("; ")));
     }
     let pooled = pool(&tests, settings);
     let joint = joint(&pooled, settings)?;
-    let unused = (reasons.iter()).map(|(_, name, reason)| format!("not used: {name} {reason}"));
+    let unused = (reasons.iter()).map(|(place, reason)| format!("not used: {place} {reason}"));
     Ok(Identified {
         format: FORMAT,
         inputs: joint.inputs,

@@ -116,10 +116,9 @@ fn of_friction(estimate: &TestEstimate, notes: &mut Vec<String>) {
             known.value
         ));
     }
-    if let Some([below, above]) = hardly_known(known) {
-        notes.push(format!(
-            "the friction coefficient is only known to {below:.0} and {above:+.0} %: T/N of the plateaus differs from cycle to cycle"
-        ));
+    let differs = "T/N of the plateaus differs from cycle to cycle";
+    if let Some(known) = hardly_known(known, differs) {
+        notes.push(format!("the friction coefficient is {known}"));
     }
     let slip = known.value * estimate.normal_force_n;
     if friction.tangential_offset_n.abs() > OFFSET * slip {
@@ -128,10 +127,15 @@ fn of_friction(estimate: &TestEstimate, notes: &mut Vec<String>) {
     }
 }
 
-/// Ends of an interval that is wide, in percent about the value.
-fn hardly_known(known: Uncertain) -> Option<[f64; 2]> {
+/// A wide interval in percent about the value, and why it is wide: by the stated errors of the measuring chain, or as `random` says.
+fn hardly_known(known: Uncertain, random: &str) -> Option<String> {
     let wide = known.upper - known.value > HARDLY_KNOWN * known.value;
-    wide.then(|| [known.lower, known.upper].map(|end| 100.0 * (end / known.value - 1.0)))
+    let [below, above] = [known.lower, known.upper].map(|end| 100.0 * (end / known.value - 1.0));
+    let cause = match known.systematic > known.standard_error {
+        true => "the measuring chain is stated to be no better",
+        false => random,
+    };
+    wide.then(|| format!("only known to {below:.0} and {above:+.0} %: {cause}"))
 }
 
 fn of_stiffness(estimate: &TestEstimate, settings: &IdentifySettings, notes: &mut Vec<String>) {
@@ -149,10 +153,9 @@ fn of_stiffness(estimate: &TestEstimate, settings: &IdentifySettings, notes: &mu
     if tangential.bent.contains(&true) {
         notes.push("parts of the contact slip before the whole (microslip): the stick branches are straightened by the spread of the slip limits that fits them".to_owned());
     }
-    if let Some([below, above]) = hardly_known(tangential.stiffness_n_per_um) {
-        notes.push(format!(
-            "the stiffness is only known to {below:.0} and {above:+.0} %: its travel is small beside noise and steps of the displacement, or parts of the contact slip early"
-        ));
+    let small = "its travel is small beside noise and steps of the displacement, or parts of the contact slip early";
+    if let Some(known) = hardly_known(tangential.stiffness_n_per_um, small) {
+        notes.push(format!("the stiffness is {known}"));
     }
     let stated = settings.series_stiffness_n_per_um;
     if stated.is_some_and(|series| tangential.measured_n_per_um > MOSTLY_RIG * series) {
