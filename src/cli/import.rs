@@ -312,10 +312,12 @@ impl PairsArguments {
         positive("--tolerance", self.tolerance).map_err(bad)?;
         let normal = match self.normal[..] {
             [] => None,
-            [x, y, z] if [x, y, z].iter().all(|c| c.is_finite()) => Some([x, y, z]),
+            [x, y, z] if f64::hypot(f64::hypot(x, y), z) > 0.0 && (x + y + z).is_finite() => {
+                Some([x, y, z])
+            }
             _ => {
                 let given: Vec<_> = self.normal.iter().map(f64::to_string).collect();
-                let rule = "must be three finite numbers: x,y,z";
+                let rule = "must be three finite numbers, not all 0: x,y,z";
                 return Err(bad(BadSetting::new("--normal", given.join(","), rule)));
             }
         };

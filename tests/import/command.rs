@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use tempfile::TempDir;
+use zip::CompressionMethod;
 
 use crate::chain::{K, M, N, NODES, ROWS, dof, frequencies_hz, lower, mass, stiffness, write};
+use crate::numpy::savez;
 use crate::op4::Form;
 use crate::{abaqus, ansys, assert_refused, calculix, microslip, nastran, op4};
 
@@ -344,6 +346,30 @@ fn loads_of_files_are_used_where_the_option_says_how() {
         assert!(study.contains(key), "{study}");
         std::fs::remove_dir_all(folder.path().join("model")).unwrap();
     }
+}
+
+/// A force of the files that an option takes the place of is named, and a load that no file has is refused. Seen to fail with the program
+/// before, which said nothing.
+#[test]
+fn forces_that_are_not_used_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let archive = savez(CompressionMethod::Stored);
+    std::fs::write(folder.path().join("model.npz"), archive).unwrap();
+    let with = |more: &[&'static str]| {
+        let import = ["import", "model.npz", "--units", "SI", "--output", "model"];
+        let output = microslip(folder.path(), &[&import[..], more].concat());
+        (
+            output.status.code(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    let (code, said) = with(&["--load", "static"]);
+    let rule = "--load = static: must be absent: no file has a load";
+    assert!(code == Some(2) && said.contains(rule), "{said}");
+    let (code, said) = with(&["--excite", "1=1"]);
+    let warning =
+        "the harmonic force of the files is not used: --excite or --forces states another";
+    assert!(code == Some(0) && said.contains(warning), "{said}");
 }
 
 /// Seen to fail with the shortest form of each number.

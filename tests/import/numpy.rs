@@ -287,6 +287,22 @@ fn damaged_entries() -> Vec<Replacement> {
     ]
 }
 
+/// An array with a name of the model is read or refused. Seen to fail with the program before, which left these out without a word.
+#[test]
+fn arrays_of_the_model_are_not_passed_over() {
+    for (name, array) in [
+        ("C", npy("|O", false, "()", &[0; 8])),
+        ("F", npy("<f8", false, "(12, 2)", &[0; 192])),
+        ("F0", npy("<f2", false, "(12,)", &[0; 24])),
+        ("R", npy("<f8", false, "(3, 12)", &[0; 288])),
+    ] {
+        let arrays = [("K", square(stiffness)), ("M", square(mass)), (name, array)];
+        let archive = archive(&arrays, CompressionMethod::Stored);
+        let fragment = format!("array {name}: must be a square matrix or a vector");
+        MODELS.refuse_bytes("K.npz", &archive, name, &fragment);
+    }
+}
+
 /// One array of `save_npz` replaced or left out. Seen to fail without the order of indptr.
 #[test]
 fn damaged_sparse_archives_are_refused() {

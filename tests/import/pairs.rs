@@ -173,6 +173,7 @@ x,7,0,0,1,,,,,,1,1,0.3,, | :2: node_a x: must be a whole number
 11,7,0,0,1,,,,,,1,1,0.3,,-1 | :2: gap = -1: must be a number >= 0
 11,7,0,0,1,,,,,,1,1,0.3 | :2: has 13 fields: must have 15
 11,7,0,0,1,,,,,,1,1,0.3,,\\n11,7,0,0,1,,,,,,1,1,0.3,, | :3: pair 11-7: must be given once
+11,7,0,0,1,,,,,,1,1,0.3,,\\n7,11,0,0,-1,,,,,,1,1,0.3,, | :3: pair 7-11: must be given once
  | has no pair
 ";
 
@@ -269,6 +270,23 @@ fn pairs_are_proposed_by_the_nearest_node() {
         path,
         &negative,
         &["--tolerance = -1: must be a finite number > 0"],
+    );
+}
+
+/// Seen to fail with the program before, which took the direction from A to B.
+#[test]
+fn a_normal_of_no_length_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write(path, "nodes.csv", "node,x,y,z\n1,0,0,0\n2,0,0,1\n");
+    write(path, "a.csv", "node\n1\n");
+    write(path, "b.csv", "node\n2\n");
+    let pairs = ["pairs", "nodes.csv", "a.csv", "b.csv", "--tolerance", "2"];
+    let rule = "--normal = 0,0,0: must be three finite numbers, not all 0";
+    assert_refused(
+        path,
+        &[&pairs[..], &["--normal", "0,0,0"]].concat(),
+        &[rule],
     );
 }
 

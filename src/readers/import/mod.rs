@@ -121,10 +121,11 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     }
     let mut warnings = warnings(&model, &files, request);
     let mut model = model.in_si(request.units);
-    if let (Some(role), Some(load)) = (request.load, model.forces.remove(&Role::Load)) {
-        model.forces.insert(role, load);
+    if let Some(role) = request.load {
+        use_load(&mut model, role)?;
     }
     let (pairs, forces) = attached(&model, request)?;
+    warnings.extend(replaced(&model, &forces));
     let facts = Facts::of(&model)?;
     if facts.frequencies_hz.is_empty() {
         warnings.push("the free structure has no flexible mode".to_owned());
@@ -180,6 +181,39 @@ fn attached(
         known.map_err(|rule| BadSetting::new("--response", name, rule))?;
     }
     Ok((pairs, forces))
+}
+
+/// Takes the load of the files for a force of this role.
+fn use_load(model: &mut ImportedModel, role: Role) -> Result<(), BadSetting> {
+    let kind = if role == Role::StaticForce {
+        "static"
+    } else {
+        "harmonic"
+    };
+    let refused = |rule| Err(BadSetting::new("--load", kind, rule));
+    let Some(load) = model.forces.remove(&Role::Load) else {
+        return refused("must be absent: no file has a load");
+    };
+    match model.forces.insert(role, load) {
+        None => Ok(()),
+        Some(_) => refused("must be absent: the files have such a force beside the load"),
+    }
+}
+
+/// Forces of the files that those of options and tables take the place of.
+fn replaced(model: &ImportedModel, forces: &Forces) -> Vec<String> {
+    let harmonic = !(forces.cosine.is_empty() && forces.sine.is_empty());
+    let given = [
+        ("harmonic", Role::HarmonicForce, harmonic),
+        ("static", Role::StaticForce, !forces.fixed.is_empty()),
+    ];
+    let lost = given
+        .into_iter()
+        .filter(|(_, role, given)| *given && model.forces.contains_key(role));
+    let warning = |kind| {
+        format!("the {kind} force of the files is not used: --excite or --forces states another")
+    };
+    lost.map(|(kind, ..)| warning(kind)).collect()
 }
 
 fn warnings(model: &ImportedModel, files: &[ReadFile], request: &Request) -> Vec<String> {

@@ -147,7 +147,9 @@ pub fn read_pairs(
     let mut names = BTreeSet::new();
     for row in table.rows() {
         let pair = reader.pair(&row)?;
-        if !names.insert(pair.name.clone()) {
+        let mut ends = [reader.node(&row, "node_a")?, reader.node(&row, "node_b")?];
+        ends.sort_unstable();
+        if !names.insert(ends) {
             return Err(row.fault(format!("pair {}: must be given once", pair.name)));
         }
         pairs.push(pair);

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::super::lines::MOST_ROWS;
 use super::super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
+use super::super::role::Role;
 use super::arrays::{MOST_NUMBERS, dense};
 use crate::file::binary::{Kind, number};
 use crate::file::compressed_rows::expanded;
@@ -47,7 +48,18 @@ pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedM
     }
     let mut found = Vec::new();
     for (name, array) in arrays {
-        found.extend(array.matrix(path, name)?);
+        // a small letter alone may be anything
+        let small_letter = name.len() == 1 && name.chars().all(char::is_lowercase);
+        let meant = Role::of_word(&name).is_some() && !small_letter;
+        let shown = format!("array {name}");
+        match array.matrix(path, name)? {
+            Some(matrix) => found.push(matrix),
+            None if meant => {
+                let rule = "must be a square matrix or a vector of real numbers (a sparse one: scipy.sparse.save_npz)";
+                return Err(fault(format!("{shown}: {rule}")));
+            }
+            None => {}
+        }
     }
     match found.is_empty() {
         true => Err(fault("has no square matrix and no vector".to_owned())),
