@@ -6,7 +6,7 @@ use tempfile::TempDir;
 use zip::CompressionMethod;
 
 use crate::chain::{K, M, N, NODES, ROWS, dof, frequencies_hz, lower, mass, stiffness, write};
-use crate::numpy::savez;
+use crate::numpy::{archive, npy, savez};
 use crate::op4::Form;
 use crate::{abaqus, ansys, assert_refused, calculix, microslip, nastran, op4};
 
@@ -345,6 +345,60 @@ fn loads_of_files_are_used_where_the_option_says_how() {
         let study = std::fs::read_to_string(study).unwrap();
         assert!(study.contains(key), "{study}");
         std::fs::remove_dir_all(folder.path().join("model")).unwrap();
+    }
+}
+
+/// K and M of so many free chains of `length` masses of 1 kg; the springs of chain i have i + 1 kN/m.
+fn chains(count: usize, length: usize) -> Vec<u8> {
+    let n = count * length;
+    let square = |entry: &dyn Fn(usize, usize) -> f64| {
+        let values = (0..n * n).flat_map(|k| entry(k / n, k % n).to_le_bytes());
+        npy(
+            "<f8",
+            false,
+            &format!("({n}, {n})"),
+            &values.collect::<Vec<u8>>(),
+        )
+    };
+    let spring = |a: usize, b: usize| a / length == b / length && b == a + 1;
+    let stiffness = |i: usize, j: usize| {
+        let size = 1e3 * (i / length + 1) as f64;
+        match i == j {
+            true => {
+                let ends = [i % length > 0, i % length + 1 < length];
+                size * ends.iter().filter(|spring| **spring).count() as f64
+            }
+            false if spring(i, j) || spring(j, i) => -size,
+            false => 0.0,
+        }
+    };
+    let mass = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+    let arrays = [("K", square(&stiffness)), ("M", square(&mass))];
+    archive(&arrays, CompressionMethod::Deflated)
+}
+
+/// All rigid-body modes are known, and ten flexible ones, however many bodies there are: of a model whose modes are all computed, and of a
+/// large one. Seen to fail with the lowest 24 modes alone, which showed frequencies of 0, or none.
+#[test]
+fn many_bodies_have_their_frequencies() {
+    for (count, length) in [(30, 2), (30, 14)] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("chains.npz"), chains(count, length)).unwrap();
+        let arguments = ["import", "chains.npz", "--units", "SI", "--output", "model"];
+        let list = imported(folder.path(), &arguments);
+        assert!(list.contains("30 rigid-body modes"), "{list}");
+        let shown = numbers(&list, "free frequencies");
+        // 2 √(k/m) sin(π j/2n) of every chain and mode
+        let exact = |i: usize, j: usize| {
+            let turn = std::f64::consts::PI * j as f64 / (2 * length) as f64;
+            2.0 * (1e3 * (i + 1) as f64).sqrt() * turn.sin() / std::f64::consts::TAU
+        };
+        let all = (0..count).flat_map(|i| (1..length).map(move |j| (i, j)));
+        let mut expected: Vec<f64> = all.map(|(i, j)| exact(i, j)).collect();
+        expected.sort_by(f64::total_cmp);
+        for (at, expected) in expected.iter().take(10).enumerate() {
+            assert!((shown[at] / expected - 1.0).abs() < 1e-4, "{at}: {list}");
+        }
     }
 }
 

@@ -39,7 +39,7 @@ fn square(entry: fn(usize, usize) -> f64) -> Vec<u8> {
     npy("<f8", false, &shape, &reals(all))
 }
 
-fn archive(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
+pub(crate) fn archive(arrays: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().compression_method(method);
     for (name, array) in arrays {

@@ -10,7 +10,8 @@ use crate::units::rad_s_to_hz;
 
 /// Flexible frequencies that are shown.
 const SHOWN: usize = 10;
-/// Modes that are computed of a large model: those that are shown and the rigid-body modes of two bodies.
+/// Modes that are computed first of a large model: those that are shown and the rigid-body modes of two bodies. Twice as many are, until so
+/// many flexible ones are known.
 const COMPUTED: usize = 24;
 /// Up to this size all modes are computed, by a dense routine.
 const DENSE_SIZE: usize = 400;
@@ -24,7 +25,7 @@ pub struct Facts {
     pub matrices: Vec<MatrixFacts>,
     /// r'Mr of the displacements along x, y and z (kg), where names have such components.
     pub total_mass: Option<[f64; 3]>,
-    /// Rigid-body modes among the modes that were computed.
+    /// Rigid-body modes.
     pub rigid: RigidModes,
     /// First flexible frequencies of the free structure (Hz).
     pub frequencies_hz: Vec<f64>,
@@ -82,7 +83,7 @@ impl Facts {
 /// # Errors
 /// [`LinalgError`] if its eigenvalue problem fails.
 pub(super) fn flexible_hz(model: &ImportedModel, rigid: usize) -> Result<Vec<f64>, LinalgError> {
-    let lambda = lowest(model)?.lambda;
+    let lambda = lowest(model, COMPUTED.max(rigid + SHOWN))?.lambda;
     Ok(in_hz(lambda.get(rigid..).unwrap_or_default()))
 }
 
@@ -92,16 +93,21 @@ fn frequencies(
     axes: &[Option<usize>],
 ) -> Result<(RigidModes, Vec<f64>), LinalgError> {
     let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
-    let LowestModes { lambda, shapes } = lowest(model)?;
     let triangles = Triangles {
         stiffness: || stiffness.values.lower.iter().copied(),
         digits: stiffness.digits,
         mass: || mass.values.lower.iter().copied(),
     };
-    let searched = &lambda[..lambda.len().min(COMPUTED)];
-    let rigid = triangles.rigid_modes(searched, &shapes, axes);
-    let flexible = in_hz(&lambda[rigid.count..]);
-    Ok((rigid, flexible))
+    let mut count = COMPUTED;
+    loop {
+        let LowestModes { lambda, shapes } = lowest(model, count)?;
+        let rigid = triangles.rigid_modes(&lambda, &shapes, axes);
+        let flexible = &lambda[rigid.count..];
+        if flexible.len() >= SHOWN || count >= stiffness.values.n {
+            return Ok((rigid, in_hz(flexible)));
+        }
+        count *= 2;
+    }
 }
 
 fn in_hz(lambda: &[f64]) -> Vec<f64> {
@@ -109,8 +115,8 @@ fn in_hz(lambda: &[f64]) -> Vec<f64> {
     shown.map(|l| rad_s_to_hz(l.max(0.0).sqrt())).collect()
 }
 
-/// The lowest modes of the free structure.
-fn lowest(model: &ImportedModel) -> Result<LowestModes, LinalgError> {
+/// The lowest modes of the free structure: so many of a large one, else all.
+fn lowest(model: &ImportedModel, count: usize) -> Result<LowestModes, LinalgError> {
     let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
     if stiffness.values.n <= DENSE_SIZE {
         let (k, m) = (stiffness.values.to_dense(), mass.values.to_dense());
@@ -121,7 +127,7 @@ fn lowest(model: &ImportedModel) -> Result<LowestModes, LinalgError> {
     }
     let (k, m) = (stiffness.values.to_sparse(), mass.values.to_sparse());
     let shift = SHIFT * largest_ratio(&stiffness.values, &mass.values);
-    lowest_modes(&k, &m, COMPUTED, shift)
+    lowest_modes(&k, &m, count, shift)
 }
 
 /// Largest K_ii/M_ii of the degrees of freedom with mass.
