@@ -365,7 +365,8 @@ fn chains(count: usize, length: usize) -> Vec<u8> {
         let size = 1e3 * (i / length + 1) as f64;
         match i == j {
             true => {
-                let ends = [i % length > 0, i % length + 1 < length];
+                let place = i % length;
+                let ends = [place > 0, place + 1 < length];
                 size * ends.iter().filter(|spring| **spring).count() as f64
             }
             false if spring(i, j) || spring(j, i) => -size,
