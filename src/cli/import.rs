@@ -310,11 +310,10 @@ pub(super) struct PairsArguments {
 impl PairsArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         positive("--tolerance", self.tolerance).map_err(bad)?;
+        let are_finite = self.normal.iter().all(|c| c.is_finite());
         let normal = match self.normal[..] {
             [] => None,
-            [x, y, z] if f64::hypot(f64::hypot(x, y), z) > 0.0 && (x + y + z).is_finite() => {
-                Some([x, y, z])
-            }
+            [x, y, z] if are_finite && self.normal.iter().any(|c| *c != 0.0) => Some([x, y, z]),
             _ => {
                 let given: Vec<_> = self.normal.iter().map(f64::to_string).collect();
                 let rule = "must be three finite numbers, not all 0: x,y,z";

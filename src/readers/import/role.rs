@@ -120,6 +120,12 @@ impl Role {
             .map(|(role, ..)| *role)
     }
 
+    /// The role of an array of MATLAB or NumPy. These tell k from K: a small letter alone is none of the model.
+    pub(super) fn of_array(name: &str) -> Option<Self> {
+        let small_letter = name.len() == 1 && name.chars().all(char::is_lowercase);
+        Self::of_word(name).filter(|_| !small_letter)
+    }
+
     /// By the words of the file's name, if they name one role only. `_STIF1` is the stiffness of step 1.
     fn of_file(path: &Path) -> Option<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();

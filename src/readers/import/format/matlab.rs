@@ -27,10 +27,7 @@ pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedM
 
 /// A square matrix or a vector of real numbers. Others are passed over, unless they have the name of a matrix or a force.
 fn matrix(path: &Path, variable: Variable) -> Result<Option<ImportedMatrix>, FileError> {
-    // MATLAB tells k from K: a number or a text k is none of the model
-    let name = &variable.name;
-    let small_letter = name.len() == 1 && name.chars().all(char::is_lowercase);
-    let meant = Role::of_word(name).is_some() && !small_letter;
+    let meant = Role::of_array(&variable.name).is_some();
     let number = variable.shape.iter().all(|size| *size == 1);
     match content(path, variable) {
         Ok(_) if number && !meant => Ok(None),

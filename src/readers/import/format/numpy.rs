@@ -48,9 +48,7 @@ pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedM
     }
     let mut found = Vec::new();
     for (name, array) in arrays {
-        // a small letter alone may be anything
-        let small_letter = name.len() == 1 && name.chars().all(char::is_lowercase);
-        let meant = Role::of_word(&name).is_some() && !small_letter;
+        let meant = Role::of_array(&name).is_some();
         let shown = format!("array {name}");
         match array.matrix(path, name)? {
             Some(matrix) => found.push(matrix),
