@@ -14,6 +14,7 @@ use microslip::import::{
     Source, Units, import, propose,
 };
 use microslip::setting::{BadSetting, non_negative, positive, within};
+use microslip::study::Study;
 
 #[derive(Args)]
 #[command(after_help = FORMATS)]
@@ -129,7 +130,12 @@ impl ImportArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         let request = self.request()?;
         let imported = import(&request)?;
-        Log::default().warn(&imported.warnings);
+        let mut warnings = imported.warnings.clone();
+        let study = Study::read(&self.output.join("study.toml"));
+        if let Err(error) = study.and_then(|study| study.build_model()) {
+            warnings.push(format!("what is written cannot be run yet: {error}"));
+        }
+        Log::default().warn(&warnings);
         if self.quiet {
             return Ok(());
         }

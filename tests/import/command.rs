@@ -264,6 +264,8 @@ K.mtx M.mtx --units SI --excite 11.1=NaN | NaN: must be a finite number
 K.mtx M.mtx --units SI --excite 11.1=1,2,3 | must have two numbers at most
 K.mtx M.mtx --units SI --excite 11.1=1 --excite 11.1=2 | --excite = 11.1=2: this degree of freedom must be given once
 K.mtx M.mtx --units SI --response 5.9 | --response = 5.9: must be a degree of freedom
+K.mtx M.mtx --units SI --response 11.1 --response 11.1 | --response = 11.1: must be given once
+K.mtx M.mtx far.dof --units SI | far.dof: has no degree of freedom 11.1, which the matrices have: it is of another model
 K.mtx M.mtx --units SI --modal-damping-ratio 1.5 | --modal-damping-ratio = 1.5: must be
 K.mtx M.mtx --units SI --pairs pairs.csv --k-n=-1 | --k-n = -1: must be a finite number >= 0
 ";
@@ -276,6 +278,7 @@ fn what_does_not_fit_together_is_refused_and_nothing_is_written() {
     write(path, "other.mtx", "11,1,11,1,1.0\n99,1,99,1,1.0\n");
     let names = calculix::names();
     write(path, "job.dof", &names);
+    write(path, "far.dof", &names.replace("11.", "99."));
     write(path, "short.dof", names.split_once('\n').unwrap().1);
     write(path, "job.sti", &calculix::matrix(stiffness));
     write(path, "job.mas", &calculix::matrix(mass));
@@ -425,6 +428,26 @@ fn forces_that_are_not_used_are_named() {
     let warning =
         "the harmonic force of the files is not used: --excite or --forces states another";
     assert!(code == Some(0) && said.contains(warning), "{said}");
+}
+
+/// A study that `inspect` would refuse is written with a warning that says why.
+///
+/// Seen to fail with the program before, which said nothing.
+#[test]
+fn what_the_study_still_lacks_is_a_warning() {
+    let folder = abaqus_folder();
+    let said = |more: &str| {
+        let given = "import K.mtx M.mtx --units SI --quiet --output model --excite 11.1=1 --pairs pairs.csv --k-n 1e3";
+        let arguments: Vec<&str> = given.split(' ').chain(more.split_whitespace()).collect();
+        let output = microslip(folder.path(), &arguments);
+        assert!(output.status.success(), "{more}");
+        std::fs::remove_dir_all(folder.path().join("model")).unwrap();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(said("--k-t 1e3 --mu 0.3 --n-0 1"), "");
+    let large = said("--k-t 1e200 --mu 0.3 --n-0 1");
+    let rule = "warning: what is written cannot be run yet: model/study.toml";
+    assert!(large.starts_with(rule) && large.contains("k_t1"), "{large}");
 }
 
 /// Seen to fail with the shortest form of each number.

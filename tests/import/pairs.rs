@@ -273,6 +273,44 @@ fn pairs_are_proposed_by_the_nearest_node() {
     );
 }
 
+/// A node that both surfaces list makes a pair with another one; without any pair nothing is written.
+///
+/// Seen to fail with the program before, which proposed 1 with 1 and wrote tables without a row.
+#[test]
+fn a_node_makes_no_pair_with_itself_and_no_pair_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write(path, "nodes.csv", "node,x,y,z\n1,0,0,0\n2,0,0,0.3\n");
+    write(path, "a.csv", "node\n1\n");
+    write(path, "b.csv", "node\n1\n2\n");
+    let with = |b, tolerance| {
+        let pairs = ["pairs", "nodes.csv", "a.csv", b, "--tolerance", tolerance];
+        microslip(path, &pairs)
+    };
+    assert!(with("b.csv", "1").status.success());
+    let table = std::fs::read_to_string(path.join("pairs.csv")).unwrap();
+    assert_eq!(table.lines().nth(1).unwrap(), "1,2,0,0,1,0.3");
+    assert_eq!(table.lines().count(), 2, "{table}");
+    std::fs::remove_file(path.join("pairs.csv")).unwrap();
+    let far = "b.csv: has no node within the tolerance 0.1 of a node of surface A: the nearest two are 3.000e-1 apart";
+    for (b, tolerance, rule) in [
+        ("b.csv", "0.1", far),
+        (
+            "a.csv",
+            "1",
+            "a.csv: has no node that surface A does not have",
+        ),
+    ] {
+        let output = with(b, tolerance);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            output.status.code() == Some(2) && said.contains(rule),
+            "{said}"
+        );
+        assert!(!path.join("pairs.csv").exists(), "{b}");
+    }
+}
+
 /// Seen to fail with the program before, which took the direction from A to B.
 #[test]
 fn a_normal_of_no_length_is_refused() {

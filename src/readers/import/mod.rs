@@ -3,6 +3,40 @@
 //! Each format is a file of `format` that gives [`ImportedMatrix`]; [`model::assemble`] puts the matrices of all files together.
 //! Nothing is guessed: units are declared, and a matrix that nothing names must be named. Sizes that a file states are
 //! checked before memory is taken for them. Start reading at [`import()`].
+//! Two masses in mm, t, s, as a finite-element program writes them, become a study of matrices:
+//!
+//! ```
+//! # use microslip_readers as microslip;
+//! use microslip::import::{PairConstants, Request, Source, Units, import};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//!
+//! let [k, m] = ["K.mtx", "M.mtx"].map(|name| folder.path().join(name));
+//! // Abaqus: node, component, node, component, number; here N/mm and t
+//! std::fs::write(&k, "1,1,1,1,2000\n1,1,2,1,-1000\n2,1,2,1,1000\n")?;
+//! std::fs::write(&m, "1,1,1,1,1e-3\n2,1,2,1,1e-3\n")?;
+//! let source = |role, path: &std::path::Path| Source::parse(&format!("{role}={}", path.display()));
+//! let imported = import(&Request {
+//!     sources: vec![source("K", &k), source("M", &m)],
+//!     units: Units::MmTonneSecond,
+//!     output: folder.path().join("model"),
+//!     pairs: None,
+//!     nodes: None,
+//!     systems: None,
+//!     constants: PairConstants::default(),
+//!     excite: vec!["2.1=1".to_owned()],
+//!     forces: None,
+//!     load: None,
+//!     responses: vec!["2.1".to_owned()],
+//!     damping_ratio: 0.002,
+//!     reduction: None,
+//! })?;
+//! // (√5 − 1)/2 √(k/m)/2π with k = 1e6 N/m, m = 1 kg
+//! let lowest = imported.facts.frequencies_hz[0];
+//! assert!((lowest - 98.363_164_308_346_6).abs() < 1e-6);
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod dof;
 pub mod facts;
@@ -35,6 +69,7 @@ pub use reduce::{Reduction, ReductionFacts};
 pub use role::Role;
 pub use units::Units;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use crate::file::{FileError, refuse_content};
@@ -176,9 +211,12 @@ fn attached(
     for word in &request.excite {
         forces.add_word(word, &names, units)?;
     }
+    let mut responses = BTreeSet::new();
     for name in &request.responses {
-        let known = names.dof(name);
-        known.map_err(|rule| BadSetting::new("--response", name, rule))?;
+        let refused = |rule| BadSetting::new("--response", name, rule);
+        if !responses.insert(names.dof(name).map_err(refused)?) {
+            return Err(refused("must be given once".to_owned()).into());
+        }
     }
     Ok((pairs, forces))
 }

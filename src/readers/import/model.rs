@@ -211,13 +211,23 @@ fn common_dofs(
     });
     if let Some(names) = with_names {
         let mut all = chosen.values();
-        return match all.find(|m| matches!(m.rows, Rows::Numbered(_))) {
-            None => Ok(names),
-            Some(without) => {
-                let rule = "has no names, but other matrices have: give all of them from files of one kind";
-                Err(FileError::content(&without.path, None, rule))
+        if let Some(without) = all.find(|m| matches!(m.rows, Rows::Numbered(_))) {
+            let rule =
+                "has no names, but other matrices have: give all of them from files of one kind";
+            return Err(FileError::content(&without.path, None, rule));
+        }
+        for (_, reading) in readings {
+            let listed: Option<BTreeSet<&Dof>> = reading.names.as_ref().map(|l| l.iter().collect());
+            if let Some(listed) = listed
+                && let Some(missing) = names.iter().find(|name| !listed.contains(name))
+            {
+                let rule = format!(
+                    "has no degree of freedom {missing}, which the matrices have: it is of another model"
+                );
+                return Err(FileError::content(&reading.path, None, rule));
             }
-        };
+        }
+        return Ok(names);
     }
     let n = chosen[&Role::Stiffness].rows.count();
     let mut found: Option<(&Path, &Vec<Dof>)> = None;

@@ -35,10 +35,11 @@ pub struct ProposedPair {
     pub normal: Option<[f64; 3]>,
 }
 
-/// Proposes pairs of the nodes that the tables `a` and `b` list (column `node`), with the coordinates of the table `nodes`.
+/// Proposes pairs of the nodes that the tables `a` and `b` list (column `node`), with the coordinates of the table `nodes`. A
+/// node that both surfaces list makes no pair with itself.
 ///
 /// # Errors
-/// [`FileError`] if a table cannot be read, or names a node without coordinates.
+/// [`FileError`] if a table cannot be read, names a node without coordinates, or no two nodes are within the tolerance.
 pub fn propose(
     nodes: &Path,
     a: &Path,
@@ -52,14 +53,18 @@ pub fn propose(
     along_x.sort_by(|(_, p), (_, q)| p[0].total_cmp(&q[0]));
     // node of B -> its nearest node of A so far
     let mut taken: BTreeMap<i64, (f64, usize)> = BTreeMap::new();
-    for (at, (_, position)) in surface_a.iter().enumerate() {
-        let Some((b, distance)) = nearest(*position, &along_x, tolerance) else {
+    for (at, from) in surface_a.iter().enumerate() {
+        let Some((b, distance)) = nearest(*from, &along_x, tolerance) else {
             continue;
         };
         let best = taken.entry(b).or_insert((distance, at));
         if distance < best.0 {
             *best = (distance, at);
         }
+    }
+    if taken.is_empty() {
+        let without = nothing_within(&surface_a, &along_x, tolerance);
+        return Err(FileError::content(b, None, without));
     }
     let by_a: BTreeMap<usize, (i64, f64)> =
         taken.iter().map(|(b, (d, at))| (*at, (*b, *d))).collect();
@@ -106,18 +111,44 @@ fn listed(
     Ok(nodes.into_iter().collect())
 }
 
-/// The nearest node within the tolerance, among nodes in the order of x.
-fn nearest(from: [f64; 3], along_x: &[(i64, [f64; 3])], tolerance: f64) -> Option<(i64, f64)> {
+/// The nearest other node within the tolerance, among nodes in the order of x.
+fn nearest(
+    (node, from): (i64, [f64; 3]),
+    along_x: &[(i64, [f64; 3])],
+    tolerance: f64,
+) -> Option<(i64, f64)> {
     let first = along_x.partition_point(|(_, p)| p[0] < from[0] - tolerance);
     let near = along_x[first..].iter();
     let near = near.take_while(|(_, p)| p[0] <= from[0] + tolerance);
-    let distance = |p: &[f64; 3]| {
-        let d = [0, 1, 2].map(|i| p[i] - from[i]);
-        dot(d, d).sqrt()
-    };
-    let with_distance = near.map(|(node, p)| (*node, distance(p)));
+    let others = near.filter(|(other, _)| *other != node);
+    let with_distance = others.map(|(other, p)| (*other, distance(from, *p)));
     let within = with_distance.filter(|(_, distance)| *distance <= tolerance);
     within.min_by(|(_, d), (_, e)| d.total_cmp(e))
+}
+
+/// Distance of two places.
+fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
+    let d = [0, 1, 2].map(|i| p[i] - q[i]);
+    dot(d, d).sqrt()
+}
+
+/// Why there is no pair: how far apart the surfaces are.
+fn nothing_within(
+    surface_a: &[(i64, [f64; 3])],
+    surface_b: &[(i64, [f64; 3])],
+    tolerance: f64,
+) -> String {
+    let of_a = surface_a.iter().filter_map(|(a, from)| {
+        let others = surface_b.iter().filter(|(b, _)| b != a);
+        let distances = others.map(|(_, to)| distance(*from, *to));
+        distances.min_by(f64::total_cmp)
+    });
+    match of_a.min_by(f64::total_cmp) {
+        Some(least) => format!(
+            "has no node within the tolerance {tolerance} of a node of surface A: the nearest two are {least:.3e} apart"
+        ),
+        None => "has no node that surface A does not have".to_owned(),
+    }
 }
 
 impl Proposal {
