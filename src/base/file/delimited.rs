@@ -33,7 +33,7 @@ impl<'t> Rows<'t> {
     pub fn new(path: &'t Path, text: &'t str, separator: char) -> Self {
         Self {
             path,
-            lines: text.trim_start_matches('\u{feff}').lines(),
+            lines: text.lines(),
             separator,
             number: 0,
             width: None,

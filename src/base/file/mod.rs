@@ -1,5 +1,22 @@
 //! Files read within bounds and written as a whole: a device that never ends, a pipe that never answers, a damaged table
 //! and a text in another encoding are messages, not a full memory, a wait or a panic.
+//! ```
+//! # use microslip_base as microslip;
+//! use microslip::file::{Rows, read_text, replace};
+//! use std::io::Write;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//!
+//! let path = folder.path().join("points.csv");
+//! replace(&path, |file| file.write_all(b"x,y\n1,2\n# a comment\n3\n"))?;
+//! let text = read_text(&path)?;
+//! let rows: Vec<_> = Rows::new(&path, &text, ',').collect();
+//! assert_eq!(rows.len(), 3);
+//! let message = rows[2].as_ref().err().map(ToString::to_string).unwrap_or_default();
+//! assert!(message.ends_with("points.csv:4: has 1 fields: must have 2, as the first line"));
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod binary;
 pub mod compressed_rows;
@@ -77,6 +94,8 @@ impl FileError {
     }
 }
 
+/// Some editors begin a text in UTF-8 with it.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 /// Bytes of a file that is held in memory at most: no study, list or record comes near it.
 const LONGEST_TEXT: u64 = 256 << 20;
 
@@ -130,11 +149,14 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// `bytes` as text, or the line that is none and why.
+/// `bytes` as text without a byte order mark, or the line that is none and why.
 ///
 /// # Errors
 /// 1-based line and rule.
-pub fn text(bytes: Vec<u8>) -> Result<String, (u64, String)> {
+pub fn text(mut bytes: Vec<u8>) -> Result<String, (u64, String)> {
+    if bytes.starts_with(BYTE_ORDER_MARK) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
+    }
     let line = |end: usize| 1 + bytes[..end].iter().filter(|b| **b == b'\n').count() as u64;
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err((1, "is UTF-16 text: save the file as UTF-8".to_owned()));

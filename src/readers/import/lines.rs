@@ -21,7 +21,7 @@ impl<'t> Lines<'t> {
     pub(super) fn new(path: &'t Path, text: &'t str) -> Self {
         Self {
             path,
-            lines: text.trim_start_matches('\u{feff}').lines(),
+            lines: text.lines(),
             number: 0,
         }
     }

@@ -123,7 +123,6 @@ impl Format {
 
     fn of(path: &Path, text: &str) -> Option<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
-        let beginning = text.trim_start_matches('\u{feff}');
         match extension.to_ascii_lowercase().as_str() {
             "sti" | "mas" => return Some(Self::CalculixMatrix),
             "dof" => return Some(Self::CalculixNames),
@@ -132,13 +131,13 @@ impl Format {
             "op4" => return Some(Self::Op4Text),
             _ => {}
         }
-        if beginning.len() >= 14 && beginning.as_bytes()[..14].eq_ignore_ascii_case(BANNER) {
+        if text.len() >= 14 && text.as_bytes()[..14].eq_ignore_ascii_case(BANNER) {
             return Some(Self::MatrixMarket);
         }
-        if is_harwell_boeing(beginning) {
+        if is_harwell_boeing(text) {
             return Some(Self::HarwellBoeing);
         }
-        Self::of_lines(path, beginning)
+        Self::of_lines(path, text)
     }
 
     /// By the first line that is no comment.

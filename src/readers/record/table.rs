@@ -138,7 +138,7 @@ pub(super) fn read(path: &Path, text: &str, expected: Expected<'_>) -> Result<Ta
 
 /// What separates the names of the columns.
 fn separator(text: &str) -> char {
-    let heading = text.trim_start_matches('\u{feff}').lines();
+    let heading = text.lines();
     let heading = heading.into_iter().find(|line| !is_passed_over(line));
     let heading = heading.unwrap_or_default();
     let found = [';', '\t'].into_iter().find(|c| heading.contains(*c));

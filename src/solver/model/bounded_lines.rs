@@ -44,7 +44,7 @@ impl<'p, R: BufRead> Lines<'p, R> {
                 return Err(self.at(self.number, rule));
             }
             let text = file::text(bytes).map_err(|(_, rule)| self.at(self.number, rule))?;
-            let line = text.trim_start_matches('\u{feff}').trim();
+            let line = text.trim();
             if !line.is_empty() {
                 return Ok(Some((self.number, line.to_owned())));
             }

@@ -27,7 +27,7 @@ const EXPECTED: Expected<'static> = Expected {
 /// [`FileError`] with the line and the rule that it breaks.
 pub(in crate::record) fn read(path: &Path, text: &str) -> Result<Vec<Channels>, FileError> {
     let mut conditions = TestConditions::default();
-    for (number, line) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
+    for (number, line) in (1..).zip(text.lines()) {
         if let Some(comment) = line.trim_start().strip_prefix('#') {
             let taken = conditions.take_line(comment);
             taken.map_err(|rule| FileError::content(path, Some(number), rule))?;
