@@ -97,6 +97,36 @@ fn rounding_wins_for_neither() {
     assert_eq!(level.quantities[1].pairs[0].comparison.a_better.yes, 60);
 }
 
+/// A pair is compared by its own two results, whatever other designs stand beside it: A lies within the errors of both B and C.
+///
+/// Seen to fail with values that tie replaced by those of the first such design: B and C were equal then, too.
+#[test]
+fn a_pair_does_not_depend_on_other_designs() {
+    let (low, middle, high) = (design(60, 0.98), design(60, 1.0), design(60, 1.02));
+    let level = 2;
+    let pair = |runs: &[StoredRun], a: usize, b: usize| {
+        let pairs = &compared(runs).levels[level].quantities[1].pairs;
+        let found = pairs.iter().find(|p| (p.a, p.b) == (a, b));
+        found.unwrap().comparison.a_better.yes
+    };
+    let apart = pair(&[low.clone(), high.clone()], 0, 1);
+    assert!(apart > pair(&[low.clone(), middle.clone()], 0, 1));
+    assert_eq!(pair(&[middle, low, high], 1, 2), apart);
+}
+
+/// A pair of which one is not to be trusted is unknown, as in verdicts. Seen to fail with the program before.
+#[test]
+fn pairs_that_are_not_to_be_trusted_are_unknown() {
+    let mut unstable = design(60, 0.5);
+    for outcome in &mut unstable.outcomes[..6] {
+        outcome.levels[1].status = Status::Unstable;
+    }
+    let runs = [design(60, 1.0), unstable];
+    let found = compared(&runs);
+    let better = found.levels[1].quantities[1].pairs[0].comparison.b_better;
+    assert_eq!((better.yes, better.unknown), (54, 6));
+}
+
 /// A pair of which one failed is unknown in every share. Seen to fail with failed pairs left out.
 #[test]
 fn failed_pairs_stay_unknown() {

@@ -7,9 +7,9 @@
 use super::super::functions::{Numbers, z};
 use super::case::{CONFIDENCE, Cases};
 use microslip::statistics::{
-    Better, CurveSet, Interval, MissingPoints, Observed, Side, compare, depth_band, exceedance,
-    joint_region, moment_estimate, quantile_estimate, simultaneous_band, tolerance_bound,
-    weighted_exceedance, weighted_quantile,
+    Better, CurveSet, Enclosed, Interval, MissingPoints, Observed, Side, compare, depth_band,
+    exceedance, joint_region, moment_estimate, quantile_estimate, simultaneous_band,
+    tolerance_bound, weighted_exceedance, weighted_quantile,
 };
 use std::f64::consts::TAU;
 
@@ -75,13 +75,9 @@ pub(crate) fn pairs(cases: &mut Cases) {
     let differences = |numbers: &mut Numbers| {
         let common: Vec<f64> = (0..200).map(|_| 10.0 * numbers.normal()).collect();
         let one = common.iter().map(|c| c + 0.2 + numbers.normal());
-        compare(
-            &one.collect::<Vec<_>>(),
-            &common,
-            Better::Smaller,
-            CONFIDENCE,
-        )
-        .unwrap()
+        let one: Vec<Enclosed> = one.map(Enclosed::exact).collect();
+        let common: Vec<Enclosed> = common.iter().copied().map(Enclosed::exact).collect();
+        compare(&one, &common, Better::Smaller, CONFIDENCE).unwrap()
     };
     let samples = "200 pairs of two designs".to_owned();
     cases.add("median difference", samples.clone(), move |numbers, _| {

@@ -1,7 +1,7 @@
 //! Designs compared on the same samples of the uncertain inputs (common random numbers).
 
 use super::bootstrap::Bootstrap;
-use super::observed::Observed;
+use super::observed::{Enclosed, Observed, Sorted};
 use super::order_statistic::{QuantileEstimate, quantile_estimate, quantile_rank};
 use super::proportion::{Share, share};
 
@@ -26,28 +26,42 @@ pub struct Comparison {
     pub b_better: Share,
 }
 
+/// Difference a − b of a pair: 0 where its enclosures meet, which is a tie and no win by numerical error; NaN where one of both is not known.
+#[must_use]
+pub fn difference(a: &Enclosed, b: &Enclosed) -> f64 {
+    let known = a.value.is_finite() && b.value.is_finite();
+    let apart = a.upper < b.lower || b.upper < a.lower;
+    match (known, apart) {
+        (false, _) => f64::NAN,
+        (true, true) => a.value - b.value,
+        (true, false) => 0.0,
+    }
+}
+
 /// Paired comparison. Shape: entry i of both belongs to sample i; a value that is not finite is a failed sample.
 ///
 /// The difference of a pair in which one failed is not known, and counts as such in every interval. `None` without
 /// samples or with confidence outside (0, 1).
 #[must_use]
-pub fn compare(a: &[f64], b: &[f64], better: Better, confidence: f64) -> Option<Comparison> {
+pub fn compare(
+    a: &[Enclosed],
+    b: &[Enclosed],
+    better: Better,
+    confidence: f64,
+) -> Option<Comparison> {
     assert_eq!(a.len(), b.len(), "both designs on the same samples");
     let pairs = a.iter().zip(b);
-    let solved: Vec<_> = pairs
-        .filter(|(a, b)| a.is_finite() && b.is_finite())
-        .collect();
-    let unknown = a.len() - solved.len();
-    let smaller = solved.iter().filter(|(a, b)| a < b).count();
-    let larger = solved.iter().filter(|(a, b)| a > b).count();
+    let differences: Vec<f64> = pairs.map(|(a, b)| difference(a, b)).collect();
+    let unknown = differences.iter().filter(|d| d.is_nan()).count();
+    let smaller = differences.iter().filter(|d| **d < 0.0).count();
+    let larger = differences.iter().filter(|d| **d > 0.0).count();
     let (wins, losses) = match better {
         Better::Smaller => (smaller, larger),
         Better::Larger => (larger, smaller),
     };
-    // A difference of finite numbers may overflow and is then unknown too.
-    let differences = a.iter().zip(b).map(|(a, b)| a - b);
-    let n = solved.len();
+    let n = differences.len() - unknown;
     Some(Comparison {
+        // a difference of finite numbers may overflow and is then unknown too
         median_difference: quantile_estimate(&Observed::of(differences), 0.5, confidence),
         a_better: share(wins, n - wins, unknown, confidence)?,
         b_better: share(losses, n - losses, unknown, confidence)?,
@@ -59,7 +73,8 @@ pub fn compare(a: &[f64], b: &[f64], better: Better, confidence: f64) -> Option<
 pub struct Ranking {
     /// Indices of the designs, best first, by the quantile of the samples that every design solved.
     pub order: Vec<usize>,
-    /// Share of the resamples in which this order holds for every value that failed samples could have had.
+    /// Share of the resamples in which this order holds for every value that failed samples could have had and wherever the others lie in
+    /// their enclosures.
     pub surely: f64,
     /// Share of the resamples in which it holds for some such values.
     pub possibly: f64,
@@ -73,11 +88,11 @@ pub struct Ranking {
 
 /// Ranks designs by their p-quantile; resamples draw the same samples for all, which keeps the pairing.
 ///
-/// Shape: `designs[k][i]` is the result of design k at sample i; a value that is not finite is a failed sample. `None`
+/// Shape: `designs[k][i]` is the result of design k at sample i; one whose value is not finite is a failed sample. `None`
 /// without designs, without a sample that all solved, without replicates, or with a probability outside (0, 1).
 #[must_use]
 pub fn rank_designs(
-    designs: &[Vec<f64>],
+    designs: &[Vec<Enclosed>],
     probability: f64,
     better: Better,
     bootstrap: &Bootstrap,
@@ -90,15 +105,17 @@ pub fn rank_designs(
         return None;
     }
     let solved: Vec<usize> = (0..n)
-        .filter(|&i| designs.iter().all(|design| design[i].is_finite()))
+        .filter(|&i| designs.iter().all(|design| design[i].value.is_finite()))
         .collect();
     let costs = |chosen: &[usize]| -> Vec<(f64, f64)> {
-        let range = |design: &Vec<f64>| cost_range(design, chosen, probability, better);
+        let range = |design: &Vec<Enclosed>| cost_range(design, chosen, probability, better);
         designs.iter().map(range).collect()
     };
-    let nominal = costs(&solved);
+    let nominal: Vec<f64> = (designs.iter())
+        .map(|design| nominal_cost(design, &solved, probability, better))
+        .collect();
     let mut order: Vec<usize> = (0..designs.len()).collect();
-    order.sort_by(|&i, &j| nominal[i].0.total_cmp(&nominal[j].0).then(i.cmp(&j)));
+    order.sort_by(|&i, &j| nominal[i].total_cmp(&nominal[j]).then(i.cmp(&j)));
     let (mut surely, mut possibly) = (0, 0);
     let mut best = vec![(0, 0); designs.len()];
     for replicate in 0..bootstrap.replicates {
@@ -125,9 +142,26 @@ pub fn rank_designs(
     })
 }
 
-/// Least and largest quantile of the chosen samples over all values of the failed ones, as a cost (small = good).
-fn cost_range(design: &[f64], chosen: &[usize], probability: f64, better: Better) -> (f64, f64) {
-    let observed = Observed::of(chosen.iter().map(|&i| design[i]));
+/// Quantile of samples that are solved, as computed, as a cost (small = good).
+fn nominal_cost(design: &[Enclosed], solved: &[usize], probability: f64, better: Better) -> f64 {
+    let values = Sorted::finite(solved.iter().map(|&i| design[i].value));
+    let quantile = values.order_statistic(quantile_rank(solved.len(), probability));
+    let quantile = quantile.unwrap_or(f64::NAN);
+    match better {
+        Better::Smaller => quantile,
+        Better::Larger => -quantile,
+    }
+}
+
+/// Least and largest quantile of the chosen samples over all values that they can have, as a cost (small = good).
+fn cost_range(
+    design: &[Enclosed],
+    chosen: &[usize],
+    probability: f64,
+    better: Better,
+) -> (f64, f64) {
+    let results: Vec<Enclosed> = chosen.iter().map(|&i| design[i]).collect();
+    let observed = Observed::enclosed(&results);
     let rank = quantile_rank(chosen.len(), probability);
     let low = observed.lowest(rank).value().unwrap_or(f64::NEG_INFINITY);
     let high = observed.highest(rank).value().unwrap_or(f64::INFINITY);

@@ -61,7 +61,7 @@ pub use band::{
 pub use bin::{Group, equal_count};
 pub use bootstrap::Bootstrap;
 pub use chaos::{Chaos, ChaosRefusal, ChaosSettings, Effect, Polynomials, fit_chaos};
-pub use comparison::{Better, Comparison, Ranking, compare, rank_designs};
+pub use comparison::{Better, Comparison, Ranking, compare, difference, rank_designs};
 pub use control_variate::{ControlledExceedance, ControlledMean, ControlledSamples};
 pub use convergence::{Prefix, convergence, nested_prefixes};
 pub use cross_fit::{

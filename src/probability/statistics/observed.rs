@@ -55,6 +55,31 @@ pub struct Enclosed {
     pub upper: f64,
 }
 
+impl Enclosed {
+    /// A sample without a result.
+    pub const UNKNOWN: Self = Self {
+        lower: f64::NAN,
+        value: f64::NAN,
+        upper: f64::NAN,
+    };
+
+    /// A result without an error.
+    #[must_use]
+    pub fn exact(value: f64) -> Self {
+        Self::within(value, 0.0)
+    }
+
+    /// A result that is wrong by `error` at most.
+    #[must_use]
+    pub fn within(value: f64, error: f64) -> Self {
+        Self {
+            lower: value - error,
+            value,
+            upper: value + error,
+        }
+    }
+}
+
 impl Observed {
     /// One value per sample; a value that is not finite is a failed sample.
     #[must_use]
@@ -153,21 +178,13 @@ mod tests {
     use super::*;
     use crate::statistics::{exceedance, quantile_estimate};
 
-    fn enclosed(value: f64, error: f64) -> Enclosed {
-        Enclosed {
-            lower: value - error,
-            value,
-            upper: value + error,
-        }
-    }
-
     /// Every order statistic of 2000 draws from the enclosures lies between the limits, and the limits are reached.
     /// Seen to fail with the ends in the order of the values instead of each sorted.
     #[test]
     fn order_statistics_stay_within_the_ends() {
         let of = |i: u64| ((i as f64) * 0.618_033_988_7).fract();
         let results: Vec<Enclosed> = (0..20)
-            .map(|i| enclosed(of(i), 0.3 * of(7 * i + 3)))
+            .map(|i| Enclosed::within(of(i), 0.3 * of(7 * i + 3)))
             .collect();
         let observed = Observed::enclosed(&results);
         for draw in 0..2000 {
@@ -194,7 +211,7 @@ mod tests {
     /// A sample whose enclosure holds the threshold neither exceeds it nor stays below. Seen to fail with the values alone.
     #[test]
     fn an_enclosure_across_the_threshold_is_unknown() {
-        let results = [1.0, 1.95, 2.05, 3.0, f64::NAN].map(|v| enclosed(v, 0.1));
+        let results = [1.0, 1.95, 2.05, 3.0, f64::NAN].map(|v| Enclosed::within(v, 0.1));
         let found = exceedance(&Observed::enclosed(&results), 2.0, 0.95).unwrap();
         let share = found.probability;
         assert_eq!((share.yes, share.no, share.unknown), (1, 1, 3));
@@ -203,7 +220,7 @@ mod tests {
     /// An end that bounds nothing opens the side that needs it, and no other. Seen to fail with infinite ends dropped.
     #[test]
     fn open_ends_open_the_limits() {
-        let mut results = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|v| enclosed(v, 0.5));
+        let mut results = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|v| Enclosed::within(v, 0.5));
         (results[6].lower, results[6].upper) = (f64::NAN, f64::NAN);
         let observed = Observed::enclosed(&results);
         assert_eq!(observed.highest(7), Limit::Unbounded);

@@ -1,14 +1,15 @@
 //! The numbers of a comparison: `comparison.json`.
 //!
 //! Sample i of every design has the same random numbers, so the difference of a pair is due to the designs alone where it is larger than
-//! the numerical errors of both. A pair of which one failed is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
+//! the numerical errors of both. A pair of which one failed or is not to be trusted is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
 //! apart: together they are no population.
 
+use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::report::convention::CONFIDENCE;
 use crate::report::numbers::allowable::factor;
 use crate::report::numbers::margins::smallest_margin;
 use crate::report::numbers::outer_points::{chosen, outer_groups};
-use crate::report::numbers::peaks::values;
+use crate::report::numbers::peaks::trusted_peak;
 use crate::report::run::record::InputRecord;
 use crate::report::run::stored_run::StoredRun;
 use crate::report::verdict::NumericalErrors;
@@ -16,8 +17,8 @@ use crate::statistics::{Better, Bootstrap, Comparison, Enclosed, Ranking, compar
 use serde::Serialize;
 use std::path::Path;
 
-/// Relative resolution of a peak without estimated error: what closer results differ by says nothing about the designs.
-const RESOLUTION: f64 = 1e-6;
+/// Relative error of a peak without an estimated one: what results differ by less than says nothing about the designs.
+const RESOLUTION: f64 = 5e-7;
 /// Resamples behind the probability of a ranking.
 const REPLICATES: u32 = 1000;
 
@@ -89,42 +90,50 @@ impl Compared {
         }
     }
 
-    /// What is wrong at most in each value at level `i`, in its unit, as far as it is estimated: harmonics left out, and the place of the
-    /// peak. NaN where a sample failed.
-    fn errors(self, run: &StoredRun, i: usize) -> Vec<f64> {
+    /// One result per sample at level `i`, with what may be wrong in it: harmonics left out, and the place of the peak, as far as they are
+    /// estimated. Unknown where a sample failed or is not to be trusted; `None` without the table that the number needs.
+    pub(super) fn of(self, run: &StoredRun, i: usize) -> Option<Vec<Enclosed>> {
+        let requirements = &run.record.requirements;
+        let (operation, stress) = (
+            requirements.operation.as_ref(),
+            requirements.stress.as_ref(),
+        );
+        let lacks = match self {
+            Self::FrequencyHz | Self::AmplitudeM => false,
+            Self::FrequencyMargin => operation.is_none(),
+            Self::ReserveFactor => stress.is_none(),
+        };
         let errors = NumericalErrors::of(&run.input(), &[]);
-        let stress = run.record.requirements.stress.as_ref();
         let half = |ends: Enclosed| 0.5 * (ends.upper - ends.lower);
-        values(&run.outcomes, i, |peak| match self {
-            Self::FrequencyHz => half(errors.frequency(peak)),
-            Self::AmplitudeM => half(errors.amplitude(peak)),
-            // a share of the frequency already
-            Self::FrequencyMargin => half(errors.frequency(peak)) / peak.frequency_hz,
-            Self::ReserveFactor => {
-                let share = half(errors.amplitude(peak)) / peak.amplitude_m;
-                stress.map_or(0.0, |stress| share * factor(peak.amplitude_m, stress))
-            }
-        })
+        let enclosed = |peak: PeakRecord| {
+            let shift = half(errors.frequency(&peak));
+            let share = half(errors.amplitude(&peak)) / peak.amplitude_m;
+            let (value, error) = match self {
+                Self::FrequencyHz => (peak.frequency_hz, shift),
+                Self::AmplitudeM => (peak.amplitude_m, share * peak.amplitude_m),
+                // a share of the frequency already
+                Self::FrequencyMargin => (
+                    operation.map_or(f64::NAN, |o| smallest_margin(peak.frequency_hz, o)),
+                    shift / peak.frequency_hz,
+                ),
+                Self::ReserveFactor => {
+                    let value = stress.map_or(f64::NAN, |s| factor(peak.amplitude_m, s));
+                    (value, share * value)
+                }
+            };
+            Enclosed::within(value, error.max(self.resolution(value)))
+        };
+        let of = |outcome: &SampleOutcome| {
+            trusted_peak(&outcome.levels[i]).map_or(Enclosed::UNKNOWN, enclosed)
+        };
+        (!lacks).then(|| run.outcomes.iter().map(of).collect())
     }
 
-    /// Largest difference of two values without estimated errors that is no difference.
-    fn resolution(self, a: f64, b: f64) -> f64 {
+    /// What is wrong at least in a value, whatever is estimated.
+    fn resolution(self, value: f64) -> f64 {
         match self {
             Self::FrequencyMargin => RESOLUTION,
-            _ => RESOLUTION * a.abs().max(b.abs()),
-        }
-    }
-
-    /// One value per sample at level `i`, NaN where it failed; `None` without the table that the number needs.
-    pub(super) fn of(self, run: &StoredRun, i: usize) -> Option<Vec<f64>> {
-        let requirements = &run.record.requirements;
-        match self {
-            Self::FrequencyHz => Some(values(&run.outcomes, i, |p| p.frequency_hz)),
-            Self::AmplitudeM => Some(values(&run.outcomes, i, |p| p.amplitude_m)),
-            Self::FrequencyMargin => (requirements.operation.as_ref())
-                .map(|o| values(&run.outcomes, i, |p| smallest_margin(p.frequency_hz, o))),
-            Self::ReserveFactor => (requirements.stress.as_ref())
-                .map(|s| values(&run.outcomes, i, |p| factor(p.amplitude_m, s))),
+            _ => RESOLUTION * value.abs(),
         }
     }
 }
@@ -259,11 +268,9 @@ impl DesignComparison {
 impl ComparedLevel {
     fn of(runs: &[StoredRun], i: usize) -> Self {
         let quantity = |compared: Compared| {
-            let of_designs: Option<Vec<Vec<f64>>> =
+            let designs: Option<Vec<Vec<Enclosed>>> =
                 runs.iter().map(|run| compared.of(run, i)).collect();
-            let errors: Vec<Vec<f64>> = runs.iter().map(|run| compared.errors(run, i)).collect();
-            let told_apart = with_ties(compared, &of_designs?, &errors);
-            Some(ComparedQuantity::of(compared, &told_apart, runs))
+            Some(ComparedQuantity::of(compared, &designs?, runs))
         };
         Self {
             level: runs[0].record.levels[i],
@@ -274,7 +281,7 @@ impl ComparedLevel {
 
 impl ComparedQuantity {
     /// Shape of `designs`: designs × samples.
-    fn of(quantity: Compared, designs: &[Vec<f64>], runs: &[StoredRun]) -> Self {
+    fn of(quantity: Compared, designs: &[Vec<Enclosed>], runs: &[StoredRun]) -> Self {
         let bootstrap = Bootstrap {
             seed: runs[0].record.provenance.seed,
             replicates: REPLICATES,
@@ -282,7 +289,7 @@ impl ComparedQuantity {
         };
         let (mut pairs, mut rankings) = (Vec::new(), Vec::new());
         for (outer, members) in outer_groups(&runs[0].outcomes) {
-            let here: Vec<Vec<f64>> = designs.iter().map(|v| chosen(v, &members)).collect();
+            let here: Vec<Vec<Enclosed>> = designs.iter().map(|v| chosen(v, &members)).collect();
             for b in 1..here.len() {
                 for a in 0..b {
                     let found = compare(&here[a], &here[b], quantity.better(), CONFIDENCE);
@@ -310,23 +317,4 @@ impl ComparedQuantity {
             rankings,
         }
     }
-}
-
-/// The designs with values that the solver does not tell apart made equal, to that of the first such design: where two values differ by no
-/// more than what may be wrong in both it is a tie, and not a win by numerical error. Shape of both: designs × samples.
-fn with_ties(quantity: Compared, designs: &[Vec<f64>], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let value = |k: usize, i: usize| {
-        let own = designs[k][i];
-        let is_same = |other: usize| {
-            let apart = quantity.resolution(own, designs[other][i]);
-            let apart = apart.max(errors[k][i] + errors[other][i]);
-            (own - designs[other][i]).abs() <= apart
-        };
-        (0..k)
-            .find(|&other| is_same(other))
-            .map_or(own, |other| designs[other][i])
-    };
-    (0..designs.len())
-        .map(|k| (0..designs[k].len()).map(|i| value(k, i)).collect())
-        .collect()
 }

@@ -17,7 +17,7 @@ use crate::report::numbers::several_answers::SeveralAnswers;
 use crate::report::page::document::page;
 use crate::report::page::statistic_cell::{limits, share_cell};
 use crate::report::run::stored_run::StoredRun;
-use crate::statistics::Sorted;
+use crate::statistics::{Sorted, difference};
 
 /// A comparison as the page shows it.
 struct View<'a> {
@@ -62,10 +62,11 @@ pub(super) fn render(
     page(&title, comparison.levels.len(), &sections)
 }
 
-/// Differences of run `a` minus run `b` at level `i`, one per sample, NaN where one of the pair failed.
+/// Differences of run `a` minus run `b` at level `i`, one per sample, NaN where one of the pair is unknown.
 fn differences(quantity: Compared, runs: &[StoredRun], a: usize, b: usize, i: usize) -> Vec<f64> {
     let of = |k: usize| quantity.of(&runs[k], i).unwrap_or_default();
-    of(a).iter().zip(of(b)).map(|(a, b)| a - b).collect()
+    let pairs = of(a).into_iter().zip(of(b));
+    pairs.map(|(a, b)| difference(&a, &b)).collect()
 }
 
 impl View<'_> {
@@ -198,7 +199,7 @@ fn notices(view: &View) -> Vec<String> {
             .unwrap_or(0);
         if unknown > 0 {
             notices.push(format!(
-                "{}: up to {unknown} pairs are unknown because one of the two has no solution; every interval allows for \
+                "{}: up to {unknown} pairs are unknown because one of the two has no solution that is to be trusted; every interval allows for \
                  what they could have been.",
                 level_name(comparison.levels[i].level, &comparison.level_unit)
             ));

@@ -11,6 +11,11 @@ pub(in crate::report) fn usable_peak(level: &LevelOutcome) -> Option<PeakRecord>
     finite.then_some(peak)
 }
 
+/// The peak of a level if it may stand for the blade.
+pub(in crate::report) fn trusted_peak(level: &LevelOutcome) -> Option<PeakRecord> {
+    usable_peak(level).filter(|_| level.status.is_trusted())
+}
+
 /// The status under which a level is counted: a claimed solution without a usable peak is no solution.
 pub(super) fn counted_status(level: &LevelOutcome) -> Status {
     if level.status.has_solution() && usable_peak(level).is_none() {

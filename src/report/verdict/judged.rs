@@ -5,11 +5,11 @@
 
 use super::criterion_result::{LevelResult, NumericalWidth, Power, Unknown};
 use super::numerical_error::{NumericalErrors, Solved};
-use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::report::asked::requirement::{Criterion, Operation, Quantity, Stress};
 use crate::report::numbers::allowable::{allowable_amplitude_m, factor};
 use crate::report::numbers::margins::smallest_margin;
-use crate::report::numbers::peaks::usable_peak;
+use crate::report::numbers::peaks::{trusted_peak, usable_peak};
 use crate::report::run::input::ReportInput;
 use crate::statistics::{
     Counted, Criterion as Rule, Demonstration, Enclosed, Interval, Judgement, Limit, Observed,
@@ -87,14 +87,11 @@ impl Judged<'_> {
 
     /// One result per sample, in the unit of the limit of each sample; NaN where none is to be trusted.
     pub(super) fn results(&self) -> Vec<Enclosed> {
-        let lost = Enclosed {
-            lower: f64::NAN,
-            value: f64::NAN,
-            upper: f64::NAN,
-        };
         let of = |o: &SampleOutcome| trusted_peak(&o.levels[self.level]).map(|p| self.enclosed(&p));
         let outcomes = self.input.outcomes.iter();
-        outcomes.map(|o| of(o).unwrap_or(lost)).collect()
+        outcomes
+            .map(|o| of(o).unwrap_or(Enclosed::UNKNOWN))
+            .collect()
     }
 
     /// Whether a result breaks the limit wherever it lies.
@@ -290,11 +287,6 @@ fn power(demonstration: &Demonstration, samples: usize) -> Power {
         probability: demonstration.power(samples, kept),
         samples_for_90_percent: demonstration.samples_for_power(kept, HIGH_POWER),
     }
-}
-
-/// The peak of a level if it may stand for the blade.
-fn trusted_peak(level: &LevelOutcome) -> Option<PeakRecord> {
-    usable_peak(level).filter(|_| level.status.is_trusted())
 }
 
 /// Share of the known samples above `threshold`; absent without such.
