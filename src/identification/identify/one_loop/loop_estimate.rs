@@ -35,6 +35,8 @@ pub(in crate::identify) struct PlateauNumbers {
     pub(in crate::identify) slip_distance: Option<f64>,
     /// Elastic part of the travel per cycle; absent without a stick slope.
     elastic_travel: Option<f64>,
+    /// ∮ N |ds| over the slip s (N m): the energy of the cycle over the friction coefficient; absent without a stick slope.
+    load_over_slip: Option<f64>,
     /// Mean normal force on the plateaus.
     pub(in crate::identify) normal: f64,
 }
@@ -88,11 +90,12 @@ impl LoopNumbers {
         both * self.stick().unwrap_or(0.0)
     }
 
-    /// Energy over slip distance and normal force.
+    /// Energy over the normal force along the slip: ∮ T du = μ ∮ N |ds|, since the elastic part of the motion gives back its work.
     pub(in crate::identify) fn friction_from_energy(&self) -> Option<f64> {
         let plateaus = self.friction?;
-        let slip = plateaus.slip_distance.filter(|slip| *slip > 0.0)?;
-        Some(self.energy / (slip * plateaus.normal))
+        plateaus.slip_distance.filter(|slip| *slip > 0.0)?;
+        let load = plateaus.load_over_slip.filter(|load| *load > 0.0)?;
+        Some(self.energy / load)
     }
 }
 
@@ -136,8 +139,30 @@ fn plateaus(
         offset,
         slip_distance: stick.map(|stick| 2.0 * (travel - swing / stick)),
         elastic_travel: stick.map(|stick| 2.0 * swing / stick),
+        load_over_slip: stick.map(|stick| load_over_slip(cycle, offset, stick)),
         normal: 0.5 * (up[1] + down[1]),
     }
+}
+
+/// ∮ N |ds| over the slip s = u − T/k: slip goes with T, and ds is 0 where the contact sticks, so it is ∮ sign T N du + ∮ |T| dN / k.
+fn load_over_slip(cycle: &MeanLoop, offset: f64, stick: f64) -> f64 {
+    let n = cycle.samples();
+    let step = |i: usize| {
+        let ends = [i, (i + 1) % n];
+        let tangential = ends.map(|i| cycle.tangential[i] - offset);
+        let normal = ends.map(|i| cycle.normal[i]);
+        let change = |[first, last]: [f64; 2]| last - first;
+        let mean = |[first, last]: [f64; 2]| 0.5 * (first + last);
+        let size = tangential.map(f64::abs);
+        // of a straight line that may pass 0
+        let sign = match change(tangential) {
+            0.0 => tangential[0].signum(),
+            change_of_t => change(size) / change_of_t,
+        };
+        let motion = change(ends.map(|i| cycle.displacement[i]));
+        sign * mean(normal) * motion + mean(size) * change(normal) / stick
+    };
+    (0..n).map(step).sum()
 }
 
 /// Samples of a plateau where the normal force is large enough and the contact slips: where it sticks for a moment, as a rig that
