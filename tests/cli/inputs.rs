@@ -73,7 +73,8 @@ fn excitation_and_damping_are_scaled() {
     );
 }
 
-/// The one contact of the two masses is on the left; a right one is refused. Seen to fail with the pairs of the other side.
+/// The one contact of the two masses is on the left; a right one is refused, and so is a friction coefficient beside that of the only
+/// interface. Seen to fail with the pairs of the other side, and with the program before.
 #[test]
 fn inputs_of_a_side_need_that_side() {
     let study = two_masses();
@@ -83,15 +84,25 @@ fn inputs_of_a_side_need_that_side() {
         "left_friction_coefficient,left_stiffness_scale\n0.2,1.5\n",
     );
     assert_eq!(common, left);
-    let input = "[inputs.right_stiffness_scale]\ndistribution = \"fixed\"\nvalue = 2.0\n";
-    let folder = folder("study.toml", "[solver]", &format!("{input}[solver]"));
-    for command in ["inspect", "run"] {
-        let output = microslip(folder.path(), &[command, "study.toml"]);
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{message}");
-        let expected = ":32: inputs.right_stiffness_scale = (given): must be absent: no contact pair has interface = 1";
-        assert!(message.contains(expected), "{message}");
-    }
+    let fixed = |name: &str| format!("[inputs.{name}]\ndistribution = \"fixed\"\nvalue = 0.3\n");
+    let refused = |inputs: &str, expected: &str| {
+        let folder = folder("study.toml", "[solver]", &format!("{inputs}[solver]"));
+        for command in ["inspect", "run"] {
+            let output = microslip(folder.path(), &[command, "study.toml"]);
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.contains(expected), "{message}");
+        }
+    };
+    refused(
+        &fixed("right_stiffness_scale"),
+        ":32: inputs.right_stiffness_scale = (given): must be absent: no contact pair has interface = 1",
+    );
+    // the study has a common one
+    refused(
+        &fixed("left_friction_coefficient"),
+        "inputs.friction_coefficient = (given): must be absent: it would act on nothing",
+    );
 }
 
 const RIG: &str = r#"name = "rig"

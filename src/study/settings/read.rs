@@ -14,8 +14,8 @@ use crate::Error;
 use crate::ensemble::SampleSolver;
 use crate::file::{FileError, FileRecord};
 use crate::hb::{HbSettings, ProblemError};
-use crate::model::ReducedModel;
 use crate::model::two_blade::TwoBladeSettings;
+use crate::model::{ContactPair, ReducedModel};
 use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
 use crate::sampling::{Design, Input};
 use crate::setting::{BadSetting, within};
@@ -59,6 +59,9 @@ const EVERY_GAP: &str = "every sector would begin with the same tractions, while
 /// Why a punch and a field do not go together.
 const TWO_PRESSURES: &str =
     "the deviations of [pressure_field] are relative to model.pressure_weights, not to a punch";
+
+/// Why a common friction coefficient beside those of all interfaces is none.
+const OWN_FRICTION: &str = "it would act on nothing: every interface has a friction coefficient of its own among the inputs";
 
 /// A study: what is computed, with which settings, on which samples.
 #[derive(Debug, Clone)]
@@ -306,6 +309,9 @@ impl Study {
                     ..
                 },
             ) if weighted(blades) => TWO_PRESSURES,
+            (Input::FrictionCoefficient, _) if self.is_common_friction_replaced(model) => {
+                OWN_FRICTION
+            }
             _ => {
                 let interface = input.interface()?;
                 let mut pairs = model.contacts.iter();
@@ -315,6 +321,18 @@ impl Study {
             }
         };
         Some(reason.to_owned())
+    }
+
+    /// Whether every interface has an input in place of the common friction coefficient.
+    fn is_common_friction_replaced(&self, model: &ReducedModel) -> bool {
+        let given = |own| self.design.inputs().iter().any(|(input, _)| *input == own);
+        let own = [
+            Input::LeftFrictionCoefficient,
+            Input::RightFrictionCoefficient,
+        ]
+        .map(given);
+        let is_replaced = |pair: &ContactPair| own.get(pair.interface) == Some(&true);
+        !model.contacts.is_empty() && model.contacts.iter().all(is_replaced)
     }
 
     /// Refuses strips that do not fit the blades, as thin and as thick as the input at `place` can be.
