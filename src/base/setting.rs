@@ -1,4 +1,12 @@
 //! A setting that breaks a rule, or is unusual: which key, its value, the rule. The study file's reader adds file and line.
+//! ```
+//! # use microslip_base as microslip;
+//! use microslip::setting::positive;
+//!
+//! let bad = positive("tolerance", -1.0).map_err(|bad| bad.under("solver"));
+//! let message = bad.err().map(|bad| bad.to_string());
+//! assert_eq!(message.as_deref(), Some("solver.tolerance = -1: must be a finite number > 0"));
+//! ```
 
 use serde::de::{Deserialize, Deserializer, Error as _};
 

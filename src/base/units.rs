@@ -1,4 +1,13 @@
 //! SI units only inside; the named conversions at the edges.
+//! ```
+//! # use microslip_base as microslip;
+//! use microslip::units::{mm_to_m, n_per_um_to_n_per_m, rad_s_to_hz};
+//!
+//! let stiffness = n_per_um_to_n_per_m(30.0); // N/m
+//! let force = stiffness * mm_to_m(2e-3); // N
+//! assert!((force - 60.0).abs() < 1e-12);
+//! assert!((rad_s_to_hz(std::f64::consts::TAU) - 1.0).abs() < 1e-15);
+//! ```
 
 /// Standard acceleration of gravity (m/s²), 3rd General Conference on Weights and Measures, 1901.
 pub const STANDARD_GRAVITY: f64 = 9.80665;

@@ -4,6 +4,17 @@
 //! level ([`surrogate`]), whose error enters the likelihood ([`posterior`]). Markov chains draw from the posterior ([`chains`]);
 //! some of the draws are solved, and where the surrogate is worse there than it was taken for, they shape it, too ([`calibration`]).
 //! Start reading at [`calibrate()`].
+//! ```no_run
+//! use microslip::calibrate::{CalibrationSettings, calibrate};
+//! use microslip::study::{OutputFolder, Study};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let study = Study::read("studies/rig-to-margin/two-blades.toml".as_ref())?;
+//! let measured = "measured-response.csv".as_ref();
+//! let found = calibrate(study, measured, &CalibrationSettings::default(), |stage| println!("{stage:?}"))?;
+//! found.write(&OutputFolder::open("posterior".as_ref())?)?;
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod calibration;
 pub mod chains;

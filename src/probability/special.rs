@@ -2,6 +2,14 @@
 //!
 //! They use sums, products, quotients, roots and the crate `libm` alone, none of the functions of the C library, whose last
 //! bits depend on the instruction set. [`beta_quantile`] always ends.
+//! ```
+//! # use microslip_probability as microslip;
+//! use microslip::special::{normal_cdf, normal_quantile};
+//!
+//! let z = normal_quantile(0.975);
+//! assert!((z - 1.959_963_984_540_054).abs() < 1e-14);
+//! assert!((normal_cdf(z) - 0.975).abs() < 1e-15);
+//! ```
 
 mod binomial;
 

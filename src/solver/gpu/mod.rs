@@ -3,6 +3,15 @@
 //! They serve the lanes of [`crate::lockstep`], which lead the processor to a peak and decide no result. Start reading at [`Gpu`]; the
 //! shaders are in `shaders/`. Whatever the device fails to do the processor does: no sample is lost by it. A build without the feature `gpu` has no device, and
 //! says so where one is asked for.
+//! ```
+//! # use microslip_solver as microslip;
+//! use microslip::gpu::{adapters, examined};
+//!
+//! // none without a driver: then a study runs on the processor
+//! for (index, adapter) in adapters().iter().enumerate() {
+//!     println!("{}: {}", adapter.name, examined(index));
+//! }
+//! ```
 //!
 //! Passes of the box law: transform (signals at the samples) → box_march (breakpoints and sliders) → spectra → forces →
 //! tangents. Passes of the circle law: transform → gap_roots → circle_march (steady cycle) → forces → steps (derivatives of

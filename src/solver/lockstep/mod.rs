@@ -8,6 +8,8 @@
 //! Passes of an iteration: moved, scaled (states of the contact passes of [`crate::gpu`], which follow), rate and loaded (contact
 //! forces), product and divided (motion of the modes), preconditioned. Then follow rounds of the same for the directions of correction and
 //! tangent, each ended by advanced. The last pass is responded, and 64 bytes of each lane come back.
+//!
+//! A study with `--backend gpu` runs lanes; `cargo bench --bench gpu -- lanes` runs them beside the searches of the processor.
 
 #![cfg_attr(
     not(feature = "gpu"),
