@@ -76,7 +76,23 @@ fn free(name: &str, entry: fn(usize, usize) -> f64) -> String {
     text
 }
 
-/// Seen to fail with form 6 taken for a matrix that states all entries.
+/// Small fields with tabs between them, form 6; rows stand in lines of continuation, which begin with a tab.
+fn tabs(name: &str, entry: fn(usize, usize) -> f64) -> String {
+    let mut text = format!("DMIG\t{name}\t0\t6\t1\t0\n");
+    let mut last = None;
+    for (row, column, value) in lower(entry) {
+        let ((point, component), (at, of)) = (dof(column), dof(row));
+        if last != Some(column) {
+            text.push_str(&format!("DMIG\t{name}\t{point}\t{component}\n"));
+            last = Some(column);
+        }
+        text.push_str(&format!("\t{at}\t{of}\t{}+3\n", value / 1e3));
+    }
+    text
+}
+
+/// Seen to fail with form 6 taken for a matrix that states all entries; and with the program before, which knew no tabs: "has no
+/// DMIG entry".
 #[test]
 fn all_forms_of_dmig_are_the_chain() {
     let cases = [
@@ -84,6 +100,7 @@ fn all_forms_of_dmig_are_the_chain() {
         ("large, upper", punch("KAAX", stiffness, true)),
         ("small, square", small("KAAX", stiffness)),
         ("free", free("KAAX", stiffness)),
+        ("tabs", tabs("KAAX", stiffness)),
     ];
     for (what, text) in cases {
         let reading = read_as("model.pch", text.as_bytes()).unwrap();
@@ -113,7 +130,44 @@ fn scalar_points_and_loads_are_read() {
     assert_eq!(*load, [1.5, 2.5]);
 }
 
-/// Seen to fail with the a-set before EXTRN.
+/// A line has eight fields, or four large ones, and the marker of a continuation: in fixed columns 73 to 80 whatever stands there.
+///
+/// Seen to fail with the program before, which read K without what stands behind the fields.
+#[test]
+fn nothing_stands_behind_the_fields_of_a_line() {
+    let column = |line: &str| format!("DMIG,KAAX,0,6,2,0\n{line}\n");
+    let fixed = |marker: &str| {
+        let fields = ["DMIG", "KAAX", "11", "1", "", "11", "1", "1.0+4", ""];
+        let fields: String = fields.iter().map(|field| format!("{field:8}")).collect();
+        column(&format!("{fields}{marker:8}"))
+    };
+    for (text, field) in [
+        (column("DMIG,KAAX,11,1,,11,1,1.0E4,0.0,12,1,-2.0E3"), "12"),
+        (column("DMIG,KAAX,11,1,,11,1,1.0E4,,+,12"), "12"),
+        (column("DMIG*,KAAX,11,1,,11"), "11"),
+        (fixed("+A      -2.0+3"), "-2.0+3"),
+    ] {
+        let many = if text.contains('*') { 4 } else { 8 };
+        let fragment = format!(":2: {field}: stands behind the {many} fields of a line: must be");
+        MODELS.refuse_bytes("model.pch", text.as_bytes(), &text, &fragment);
+    }
+    for text in [
+        column("DMIG,KAAX,11,1,,11,1,1.0E4,,+\n+,12,1,-2.0E3"),
+        column("DMIG*,KAAX,11,1,,*A\n*A,11,1,1.0E4,,*B\n*B,12,1,-2.0E3"),
+        fixed("A1") + "+A1     12      1       -2.0+3\n",
+    ] {
+        let reading = read_as("model.pch", text.as_bytes()).unwrap();
+        let Content::Symmetric(found) = &reading.matrices[0].content else {
+            panic!("{text}: is no matrix");
+        };
+        assert_eq!(found.lower, [(0, 0, 1e4), (1, 0, -2e3)], "{text}");
+    }
+}
+
+/// Nastran orders grid and scalar points together by their numbers.
+///
+/// Seen to fail with the a-set before EXTRN; and with the program before, which took points in the order of the file, and scalar points
+/// last.
 #[test]
 fn names_come_from_the_best_list() {
     let names = |text: &str| {
@@ -127,6 +181,11 @@ fn names_come_from_the_best_list() {
     let grids = "GRID*                  3               0 0.600000000E+03 0.000000000E+00\n*        0.300000000E+03\n\
                  SPOINT   2995001    THRU 2995002\n";
     assert_eq!(names(grids), "3.1 3.2 3.3 3.4 3.5 3.6 2995001.0 2995002.0");
+    let mixed = "GRID    21\nSPOINT  15\nGRID    11\n";
+    assert_eq!(
+        names(mixed),
+        "11.1 11.2 11.3 11.4 11.5 11.6 15.0 21.1 21.2 21.3 21.4 21.5 21.6"
+    );
     let a_set = "ASET1   13      7       3\nQSET1   0       90      91\n";
     assert_eq!(
         names(&format!("{grids}{a_set}")),
@@ -199,6 +258,7 @@ fn damaged_dmig_is_refused() {
 }
 
 const DAMAGED_NAMES: &str = "
+1 | SEQGP,11,5 | :1: SEQGP: must be absent: it gives points another order
 1 | EXTRN,11,17 | :1: components 17: must be digits from 1 to 6
 1 | EXTRN,11,x | :1: components x
 1 | EXTRN,x,1 | :1: grid point x

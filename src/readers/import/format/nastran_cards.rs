@@ -1,5 +1,6 @@
 //! Bulk data entries of Nastran: small, large and free fields, with their continuations.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::super::lines::Lines;
@@ -14,8 +15,10 @@ pub(in crate::import) struct Card<'t> {
     pub(in crate::import) fields: Vec<(u64, &'t str)>,
 }
 
-/// Columns of the name of a fixed entry.
+/// Columns of the name of a fixed entry, and of a small field.
 const NAME: usize = 8;
+/// Columns of all fields of a fixed line; behind them stands the marker of a continuation, as wide as a name.
+const DATA: usize = 64;
 
 impl Card<'_> {
     /// Field `at`, blank where there is none.
@@ -36,14 +39,15 @@ impl Card<'_> {
 }
 
 /// Calls `take` with every entry whose name is among `names`.
-pub(in crate::import) fn each_card<'t>(
-    path: &'t Path,
-    text: &'t str,
+pub(in crate::import) fn each_card(
+    path: &Path,
+    text: &str,
     names: &[&str],
-    mut take: impl FnMut(Card<'t>) -> Result<(), FileError>,
+    mut take: impl FnMut(Card<'_>) -> Result<(), FileError>,
 ) -> Result<(), FileError> {
-    let mut current: Option<Card<'t>> = None;
-    let mut lines = Lines::new(path, text);
+    let text = without_tabs(text);
+    let mut current: Option<Card<'_>> = None;
+    let mut lines = Lines::new(path, &text);
     while let Some(line) = lines.next() {
         let line = line.split('$').next().unwrap_or_default().trim_end();
         if line.is_empty() {
@@ -59,7 +63,7 @@ pub(in crate::import) fn each_card<'t>(
         let (name, large, fields) = split(line);
         if name.is_empty() {
             if let Some(card) = &mut current {
-                add(card, &fields, large, lines.number);
+                add(card, &fields, large, lines.number).map_err(|rule| lines.fault(rule))?;
             }
             continue;
         }
@@ -71,19 +75,51 @@ pub(in crate::import) fn each_card<'t>(
                 name,
                 fields: Vec::new(),
             };
-            add(&mut card, &fields, large, lines.number);
+            add(&mut card, &fields, large, lines.number).map_err(|rule| lines.fault(rule))?;
             current = Some(card);
         }
     }
     current.map_or(Ok(()), take)
 }
 
-/// Fields of a line: eight, or four large ones.
-fn add<'t>(card: &mut Card<'t>, fields: &[&'t str], large: bool, line: u64) {
+/// Tabs lead to the next of the columns 9, 17, ..., as in Nastran; between commas they are blanks like others.
+fn without_tabs(text: &str) -> Cow<'_, str> {
+    if !text.contains('\t') {
+        return Cow::Borrowed(text);
+    }
+    let mut expanded = String::with_capacity(2 * text.len());
+    for line in text.lines() {
+        let begin = expanded.len();
+        for (at, part) in line.split('\t').enumerate() {
+            if at > 0 {
+                let column = expanded.len() - begin;
+                expanded.extend(std::iter::repeat_n(' ', NAME - column % NAME));
+            }
+            expanded.push_str(part);
+        }
+        expanded.push('\n');
+    }
+    Cow::Owned(expanded)
+}
+
+/// Takes the fields of a line: eight, or four large ones.
+///
+/// # Errors
+/// The rule if something stands behind them that is no marker of a continuation.
+fn add<'t>(card: &mut Card<'t>, fields: &[&'t str], large: bool, line: u64) -> Result<(), String> {
     let many = if large { 4 } else { 8 };
+    let is_marker = |at: usize, field: &str| at == many && field.starts_with(['+', '*']);
+    let mut behind = (0..).zip(fields).skip(many);
+    let data = behind.find(|(at, field)| !field.is_empty() && !is_marker(*at, field));
+    if let Some((_, field)) = data {
+        return Err(format!(
+            "{field:.20}: stands behind the {many} fields of a line: must be blank, or the marker of a continuation (+ or *)"
+        ));
+    }
     let blank = std::iter::repeat(&"");
     let filled = fields.iter().chain(blank).take(many);
     card.fields.extend(filled.map(|field| (line, *field)));
+    Ok(())
 }
 
 /// Name (empty for a continuation), whether fields are large, fields.
@@ -108,12 +144,11 @@ fn split(line: &str) -> (String, bool, Vec<&str>) {
     (name, large, fields)
 }
 
-/// Fields of fixed width, as far as column 72.
+/// Fields of fixed width; then a blank in place of the marker of a continuation, and what stands behind it.
 fn fixed(rest: &str, large: bool) -> Vec<&str> {
-    let width = if large { 16 } else { 8 };
-    let end = rest.len().min(64);
-    let starts = (0..end).step_by(width);
-    starts
-        .map(|at| rest[at..end.min(at + width)].trim())
-        .collect()
+    let width = if large { 2 * NAME } else { NAME };
+    let between = |from: usize, to: usize| rest[from.min(rest.len())..to.min(rest.len())].trim();
+    let fields = (0..DATA).step_by(width).map(|at| between(at, at + width));
+    let behind = between(DATA + NAME, rest.len());
+    fields.chain(["", behind]).collect()
 }

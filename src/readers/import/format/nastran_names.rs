@@ -10,7 +10,9 @@ use super::super::matrix::Naming;
 use super::nastran_cards::{Card, each_card};
 use crate::file::FileError;
 
-const CARDS: [&str; 7] = ["EXTRN", "ASET", "QSET", "ASET1", "QSET1", "GRID", "SPOINT"];
+const CARDS: [&str; 8] = [
+    "EXTRN", "ASET", "QSET", "ASET1", "QSET1", "GRID", "SPOINT", "SEQGP",
+];
 
 /// Lists of names, by where they come from.
 #[derive(Default)]
@@ -18,8 +20,8 @@ struct Lists {
     extrn: Naming,
     /// Nastran orders the a-set by number and component.
     a_set: BTreeSet<Dof>,
-    grids: Naming,
-    scalars: Naming,
+    /// Grid and scalar points.
+    points: Naming,
 }
 
 /// The names that the entries of a file give, if there are any.
@@ -33,8 +35,7 @@ pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Option<Vec<Dof>
     let Lists {
         extrn,
         a_set,
-        mut grids,
-        scalars,
+        points,
     } = lists;
     if extrn.len() > 0 {
         return Ok(Some(extrn.names()));
@@ -42,11 +43,10 @@ pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Option<Vec<Dof>
     if !a_set.is_empty() {
         return Ok(Some(a_set.into_iter().collect()));
     }
-    for scalar in scalars.names() {
-        let added = grids.add(scalar);
-        added.map_err(|rule| FileError::content(path, None, rule))?;
-    }
-    Ok((grids.len() > 0).then(|| grids.names()))
+    // Nastran orders these, too, by their numbers, grid and scalar points together
+    let mut names = points.names();
+    names.sort();
+    Ok(Some(names).filter(|names| !names.is_empty()))
 }
 
 /// Index of a field and the rule that it breaks.
@@ -64,12 +64,17 @@ impl Lists {
                     dofs.try_for_each(|dof| insert(&mut self.a_set, dof))
                 })
             }
-            "SPOINT" => points(card, 0, &mut |point| self.scalars.add(Dof::new(point, 0))),
+            "SPOINT" => points(card, 0, &mut |point| self.points.add(Dof::new(point, 0))),
+            "SEQGP" => Err((
+                0,
+                "SEQGP: must be absent: it gives points another order than that of their numbers, so that rows would have wrong names"
+                    .to_owned(),
+            )),
             _ => {
                 let point = whole("grid point", card.field(0), 1, i64::from(i32::MAX));
                 let point = point.map_err(|rule| (0, rule))?;
                 let mut dofs = (1..=6).map(|component| Dof::new(point, component));
-                let added = dofs.try_for_each(|dof| self.grids.add(dof));
+                let added = dofs.try_for_each(|dof| self.points.add(dof));
                 added.map_err(|rule| (0, rule))
             }
         }
