@@ -3,6 +3,7 @@
 use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, lower, mass, read_as, stiffness};
 use crate::mat_file::*;
+use crate::microslip;
 use microslip::import::matrix::Content;
 
 /// Type of data in single precision.
@@ -85,6 +86,27 @@ fn matrices_of_every_form_are_read() {
         };
         assert_eq!(force[ROWS - 1], ROWS as f64 - 1.0, "{what}");
     }
+}
+
+/// Of `[V, D] = eig(K, M)` D is no damping matrix.
+///
+/// Seen to fail with the program before, which wrote it as `damping.mtx`.
+#[test]
+fn eigenvalues_are_no_damping() {
+    let form = Form::default();
+    let file = form.file(&[
+        form.dense("D", mass),
+        form.dense("K", stiffness),
+        form.dense("M", mass),
+    ]);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("model.mat"), file).unwrap();
+    let import = ["import", "model.mat", "--units", "SI", "--output", "model"];
+    let output = microslip(folder.path(), &import);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("model.mat: matrix D is not used"), "{said}");
+    assert!(folder.path().join("model/stiffness.mtx").exists());
+    assert!(!folder.path().join("model/damping.mtx").exists());
 }
 
 /// MATLAB stores whole numbers in fewer bytes than their class has. Seen to fail without the signs of the smallest ones.

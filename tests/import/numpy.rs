@@ -7,6 +7,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, lower, mass, read_as, stiffness};
+use crate::microslip;
 use microslip::import::matrix::Content;
 
 /// An array as numpy.lib.format writes it.
@@ -300,6 +301,65 @@ fn arrays_of_the_model_are_not_passed_over() {
         let archive = archive(&arrays, CompressionMethod::Stored);
         let fragment = format!("array {name}: must be a square matrix or a vector");
         MODELS.refuse_bytes("K.npz", &archive, name, &fragment);
+    }
+}
+
+/// Arrays of other names are no part of the model, whatever they hold: eigenvalues D would be a damping matrix, P a load.
+///
+/// Seen to fail with the program before: D and P had roles, and V and Z were refused.
+#[test]
+fn arrays_of_other_names_are_passed_over() {
+    let lopsided = reals([1.0, 0.5, 0.0, 1.0].into_iter());
+    let folder = tempfile::tempdir().unwrap();
+    let arrays = [
+        ("K", square(stiffness)),
+        ("M", square(mass)),
+        ("D", square(mass)),
+        ("P", square(mass)),
+        ("V", npy("<f8", false, "(2, 2)", &lopsided)),
+        ("Z", npy("<c16", false, "(1, 2)", &[0; 32])),
+        ("m", npy("<f8", false, "(1,)", &1.0_f64.to_le_bytes())),
+        ("nan", npy("<f8", false, "(1,)", &f64::NAN.to_le_bytes())),
+    ];
+    let file = archive(&arrays, CompressionMethod::Stored);
+    std::fs::write(folder.path().join("model.npz"), &file).unwrap();
+    let reading = read_as("model.npz", &file).unwrap();
+    let names: Vec<_> = reading.matrices.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["D", "K", "M", "P"]);
+    let import = ["import", "model.npz", "--units", "SI", "--output", "model"];
+    let output = microslip(folder.path(), &import);
+    let said = String::from_utf8(output.stderr).unwrap();
+    for name in ["D", "P"] {
+        let warning = format!("model.npz: matrix {name} is not used");
+        assert!(said.contains(&warning), "{said}");
+    }
+    assert!(!folder.path().join("model/damping.mtx").exists());
+    let lopsided = [("K", npy("<f8", false, "(2, 2)", &lopsided))];
+    let file = archive(&lopsided, CompressionMethod::Stored);
+    MODELS.refuse_bytes("model.npz", &file, "K", "array K: must be symmetric: entry");
+}
+
+/// A force on one degree of freedom, as a vector or as a matrix of one row.
+///
+/// Seen to fail with the program before: "array F: must be a square matrix or a vector", and "F: must be one column".
+#[test]
+fn a_model_of_one_degree_of_freedom_has_a_force() {
+    let number = |shape: &str, value: f64| npy("<f8", false, shape, &value.to_le_bytes());
+    for shape in ["(1,)", "(1, 1)"] {
+        let folder = tempfile::tempdir().unwrap();
+        let arrays = [
+            ("K", number("(1, 1)", 1e4)),
+            ("M", number("(1, 1)", 1.0)),
+            ("F", number(shape, 2.5)),
+        ];
+        let file = archive(&arrays, CompressionMethod::Stored);
+        std::fs::write(folder.path().join("model.npz"), file).unwrap();
+        let import = ["import", "model.npz", "--units", "SI", "--output", "model"];
+        let output = microslip(folder.path(), &import);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{shape}: {said}");
+        let force = std::fs::read_to_string(folder.path().join("model/cosine_force.mtx")).unwrap();
+        assert!(force.ends_with("1 1\n2.5e0\n"), "{shape}: {force}");
     }
 }
 

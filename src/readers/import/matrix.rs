@@ -58,6 +58,17 @@ pub enum Content {
     Column(Vec<f64>),
 }
 
+impl Content {
+    /// As one column: the only entry of a matrix of one row is one.
+    pub(super) fn column(&self) -> Option<Vec<f64>> {
+        match self {
+            Self::Column(column) => Some(column.clone()),
+            Self::Symmetric(number) if number.n == 1 => Some(number.diagonal()),
+            Self::Symmetric(_) => None,
+        }
+    }
+}
+
 /// Which entries a file states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Storage {

@@ -168,7 +168,8 @@ fn roles<'r>(
     }
     let stated = source.and_then(|source| source.role);
     let Some(stated) = stated else {
-        let roles: Vec<_> = meant.iter().map(|m| (*m, Role::of(m))).collect();
+        let roles = meant.iter();
+        let roles: Vec<_> = roles.map(|m| (*m, Role::of(m, reading.arrays))).collect();
         if let [(matrix, None)] = roles[..] {
             let what = if matrix.name.is_empty() {
                 "a matrix"
@@ -183,7 +184,11 @@ fn roles<'r>(
     };
     // a right-hand side comes along with its matrix
     let is_vector = |m: &&&ImportedMatrix| matches!(m.content, Content::Column(_));
-    let fitting = meant.iter().filter(|m| is_vector(m) == stated.is_vector());
+    let fits = |m: &&&ImportedMatrix| match stated.is_vector() {
+        true => m.content.column().is_some(),
+        false => !is_vector(m),
+    };
+    let fitting = meant.iter().filter(fits);
     match fitting.collect::<Vec<_>>()[..] {
         [one] => Ok(meant
             .iter()
@@ -264,8 +269,8 @@ impl ImportedModel {
         for (&role, matrix) in chosen {
             let places = places(matrix, &index, &chosen[&Role::Stiffness].path)?;
             let (path, digits) = (matrix.path.clone(), matrix.digits);
-            match (&matrix.content, role.is_vector()) {
-                (Content::Symmetric(symmetric), false) => {
+            match (&matrix.content, matrix.content.column()) {
+                (Content::Symmetric(symmetric), _) if !role.is_vector() => {
                     let values = symmetric.placed(&places, dofs.len());
                     let part = Part {
                         path,
@@ -274,7 +279,7 @@ impl ImportedModel {
                     };
                     matrices.insert(role, part);
                 }
-                (Content::Column(column), true) => {
+                (_, Some(column)) if role.is_vector() => {
                     let mut values = vec![0.0; dofs.len()];
                     for (value, &place) in column.iter().zip(&places) {
                         values[place] = *value;
@@ -288,8 +293,8 @@ impl ImportedModel {
                         },
                     );
                 }
-                (_, vector) => {
-                    let must = if vector {
+                _ => {
+                    let must = if role.is_vector() {
                         "one column"
                     } else {
                         "a square matrix"

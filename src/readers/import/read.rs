@@ -23,6 +23,8 @@ pub struct Reading {
     pub matrices: Vec<ImportedMatrix>,
     /// Names of the rows of other files.
     pub names: Option<Vec<Dof>>,
+    /// Whether its matrices are arrays, whose names people choose.
+    pub(super) arrays: bool,
 }
 
 /// Matrices, and names of rows.
@@ -61,6 +63,7 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
         format: format.in_words(),
         matrices,
         names,
+        arrays: matches!(format, Format::Numpy | Format::Matlab),
     };
     if op4_binary::begins(&bytes) {
         let matrices = op4_binary::read(path, &bytes)?;

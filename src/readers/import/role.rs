@@ -103,16 +103,18 @@ impl Role {
         matches!(self, Self::HarmonicForce | Self::StaticForce | Self::Load)
     }
 
-    /// The role of a matrix by its name in the file, else by the name of the file; none where these say nothing.
-    pub(super) fn of(matrix: &ImportedMatrix) -> Option<Self> {
+    /// The role of a matrix by its name in the file, which may be that of an array, else by the name of the file; none where these
+    /// say nothing.
+    pub(super) fn of(matrix: &ImportedMatrix, array: bool) -> Option<Self> {
         match matrix.name.as_str() {
             "" => Self::of_file(&matrix.path),
+            name if array => Self::of_array(name),
             name => Self::of_word(name),
         }
     }
 
     /// The role of a matrix of this name.
-    pub(super) fn of_word(word: &str) -> Option<Self> {
+    fn of_word(word: &str) -> Option<Self> {
         let upper = word.trim().to_ascii_uppercase();
         let mut listed = WORDS.iter();
         listed
@@ -120,10 +122,10 @@ impl Role {
             .map(|(role, ..)| *role)
     }
 
-    /// The role of an array of MATLAB or NumPy. These tell k from K: a small letter alone is none of the model.
+    /// The role of an array of MATLAB or NumPy: K, M, C, R, F or F0. People name other arrays as they like, such as D of eigenvalues,
+    /// and these programs tell k from K.
     pub(super) fn of_array(name: &str) -> Option<Self> {
-        let small_letter = name.len() == 1 && name.chars().all(char::is_lowercase);
-        Self::of_word(name).filter(|_| !small_letter)
+        Self::named(name).filter(|_| !name.contains(char::is_lowercase))
     }
 
     /// By the words of the file's name, if they name one role only. `_STIF1` is the stiffness of step 1.

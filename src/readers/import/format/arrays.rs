@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::super::lines::MOST_ROWS;
 use super::super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
+use super::super::role::Role;
 use crate::file::FileError;
 use crate::model::matrix_market::LARGEST;
 
@@ -15,6 +16,27 @@ pub(super) const MOST_NUMBERS: usize = LARGEST * LARGEST;
 pub(super) struct Numbers {
     pub(super) values: Vec<f64>,
     pub(super) digits: u32,
+}
+
+/// What an array of this name is to a model. With the name of a matrix or a force, or without a name, it must be one; others are
+/// passed over if they are none, or a number alone.
+///
+/// # Errors
+/// [`FileError`] with the name of the array.
+pub(super) fn of_model(
+    name: &str,
+    found: Result<ImportedMatrix, FileError>,
+) -> Result<Option<ImportedMatrix>, FileError> {
+    let meant = name.is_empty() || Role::of_array(name).is_some();
+    match found {
+        Ok(matrix) if !meant && matrix.rows.count() == 1 => Ok(None),
+        Err(_) if !meant => Ok(None),
+        Err(FileError::Content { path, line, rule }) if !name.is_empty() => {
+            let rule = format!("array {name:.40}: {rule}");
+            Err(FileError::Content { path, line, rule })
+        }
+        found => found.map(Some),
+    }
 }
 
 /// What a dense array of this shape is: a square matrix or a vector; nothing for others. With `by_columns` its first index runs
@@ -29,20 +51,13 @@ pub(super) fn dense(
     by_columns: bool,
     Numbers { values, digits }: Numbers,
 ) -> Result<Option<ImportedMatrix>, FileError> {
-    let shown = if name.is_empty() {
-        String::new()
-    } else {
-        format!("array {name:.40}: ")
-    };
     if let Some(at) = values.iter().position(|value| !value.is_finite()) {
         let value = values[at];
-        let rule = format!(
-            "{shown}number {} = {value}: must be a finite number",
-            at + 1
-        );
+        let rule = format!("number {} = {value}: must be a finite number", at + 1);
         return Err(FileError::content(path, None, rule));
     }
     let (rows, content) = match *shape {
+        [1] => (1, Content::Column(values)),
         [n] | [n, 1] | [1, n] if n > 1 => (n, Content::Column(values)),
         [n, columns] if n == columns && (1..=LARGEST).contains(&n) => {
             let mut entries = Entries::default();

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::super::lines::MOST_ROWS;
 use super::super::matrix::{Content, DOUBLE_DIGITS, ImportedMatrix, Rows, SINGLE_DIGITS};
-use super::super::role::Role;
 use super::arrays::{self, Numbers};
 use crate::file::FileError;
 use crate::file::matlab::{self, Values, Variable};
@@ -17,7 +16,8 @@ pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedM
     let fault = |rule: String| FileError::content(path, None, rule);
     let mut found = Vec::new();
     for variable in matlab::read(bytes).map_err(fault)? {
-        found.extend(matrix(path, variable)?);
+        let name = variable.name.clone();
+        found.extend(arrays::of_model(&name, content(path, variable))?);
     }
     match found.is_empty() {
         true => Err(fault("has no square matrix and no vector".to_owned())),
@@ -25,25 +25,14 @@ pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedM
     }
 }
 
-/// A square matrix or a vector of real numbers. Others are passed over, unless they have the name of a matrix or a force.
-fn matrix(path: &Path, variable: Variable) -> Result<Option<ImportedMatrix>, FileError> {
-    let meant = Role::of_array(&variable.name).is_some();
-    let number = variable.shape.iter().all(|size| *size == 1);
-    match content(path, variable) {
-        Ok(_) if number && !meant => Ok(None),
-        Err(_) if !meant => Ok(None),
-        content => content.map(Some),
-    }
-}
-
+/// A square matrix or a vector of real numbers.
 fn content(path: &Path, variable: Variable) -> Result<ImportedMatrix, FileError> {
     let Variable {
         name,
         shape,
         values,
     } = variable;
-    let shown = format!("array {name:.40}");
-    let fault = |rule: String| FileError::content(path, None, format!("{shown}: {rule}"));
+    let fault = |rule: String| FileError::content(path, None, rule);
     let sizes: Vec<_> = shape.iter().map(usize::to_string).collect();
     let sizes = sizes.join(" x ");
     let neither = || {

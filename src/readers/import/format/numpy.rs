@@ -1,4 +1,4 @@
-//! NumPy: arrays of `save` (`.npy`), `savez` (`.npz` with K, M, C, R, F) and SciPy's `save_npz` (a sparse matrix).
+//! NumPy: arrays of `save` (`.npy`), `savez` (`.npz` with K, M, C, R, F, F0) and SciPy's `save_npz` (a sparse matrix).
 //!
 //! Format: numpy.lib.format. Its header is a dictionary of three keys; the crate that reads it brings a parser generator and
 //! a library for stacks of its own, so it is read here. The archive is read by the crate `zip`.
@@ -9,8 +9,7 @@ use std::path::Path;
 
 use super::super::lines::MOST_ROWS;
 use super::super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
-use super::super::role::Role;
-use super::arrays::{MOST_NUMBERS, dense};
+use super::arrays::{MOST_NUMBERS, dense, of_model};
 use crate::file::binary::{Kind, number};
 use crate::file::compressed_rows::expanded;
 use crate::file::{FileError, parquet::without_panic};
@@ -25,6 +24,9 @@ const LONGEST_HEADER: usize = 10_000;
 const MOST_BYTES: u64 = 512 << 20;
 /// Arrays of an archive at most.
 const MOST_ARRAYS: usize = 100;
+
+/// The rule of a file with nothing of a model.
+const NONE: &str = "has no square matrix and no vector";
 
 /// Whether the bytes begin as such a file.
 pub(in crate::import) fn begins(bytes: &[u8]) -> bool {
@@ -48,19 +50,18 @@ pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedM
     }
     let mut found = Vec::new();
     for (name, array) in arrays {
-        let meant = Role::of_array(&name).is_some();
-        let shown = format!("array {name}");
-        match array.matrix(path, name)? {
-            Some(matrix) => found.push(matrix),
-            None if meant => {
-                let rule = "must be a square matrix or a vector of real numbers (a sparse one: scipy.sparse.save_npz)";
-                return Err(fault(format!("{shown}: {rule}")));
+        let rule = match name.as_str() {
+            "" => NONE,
+            _ => {
+                "must be a square matrix or a vector of real numbers (a sparse one: scipy.sparse.save_npz)"
             }
-            None => {}
-        }
+        };
+        let matrix = array.matrix(path, name.clone());
+        let matrix = matrix.and_then(|matrix| matrix.ok_or_else(|| fault(rule.to_owned())));
+        found.extend(of_model(&name, matrix)?);
     }
     match found.is_empty() {
-        true => Err(fault("has no square matrix and no vector".to_owned())),
+        true => Err(fault(NONE.to_owned())),
         false => Ok(found),
     }
 }
@@ -106,6 +107,7 @@ enum Numbers {
         digits: u32,
     },
     Text(String),
+    Complex,
     /// Of a kind that is not read.
     Other,
 }
@@ -147,8 +149,12 @@ impl Array {
 
     /// A square matrix or a vector; nothing for others.
     fn matrix(self, path: &Path, name: String) -> Result<Option<ImportedMatrix>, FileError> {
-        let Numbers::Real { values, digits } = self.numbers else {
-            return Ok(None);
+        let (values, digits) = match self.numbers {
+            Numbers::Real { values, digits } => (values, digits),
+            Numbers::Complex => {
+                return Err(FileError::content(path, None, "is complex: must be real"));
+            }
+            Numbers::Text(_) | Numbers::Other => return Ok(None),
         };
         let numbers = super::arrays::Numbers { values, digits };
         dense(path, name, &self.shape, self.fortran, numbers)
@@ -210,7 +216,7 @@ fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<Numbers, String> {
             let text = String::from_utf8_lossy(data);
             return Ok(Numbers::Text(text.trim_end_matches('\0').to_owned()));
         }
-        _ if rest.starts_with('c') => return Err("is complex: must be real".to_owned()),
+        _ if rest.starts_with('c') => return Ok(Numbers::Complex),
         _ => return Ok(Numbers::Other),
     };
     if data.len() != count * width {
