@@ -96,6 +96,33 @@ fn internal_nodes_and_loads_are_read() {
     assert_eq!(*column, [1.5, -2.0]);
 }
 
+/// A second load case and an imaginary part are no part of one force.
+///
+/// Seen to fail with the program before, which read one force of all of them.
+#[test]
+fn a_file_has_one_load() {
+    let two = "*CLOAD, LOAD CASE=1\n7,2,1.5\n*CLOAD, LOAD CASE=2\n9,1,-2\n";
+    let imaginary = "*CLOAD, REAL\n7,2,1.5\n*cload, imaginary\n9,1,-2\n";
+    let only = "*CLOAD, IMAGINARY\n9,1,-2\n";
+    for (text, rule) in [
+        (two, ":3: is a second load: a file must have one"),
+        (imaginary, ":3: is the imaginary part of a load"),
+        (only, ":1: is the imaginary part of a load"),
+    ] {
+        MODELS.refuse_bytes("load.mtx", text.as_bytes(), text, rule);
+    }
+    let element = abaqus_element();
+    let line = element.lines().count() + 1;
+    for (more, rule) in [
+        ("** CLOAD\n** 7, 1, 2.5\n", "is a second load"),
+        ("*CLOAD, IMAGINARY\n7, 1, 2.5\n", "is the imaginary part"),
+    ] {
+        let text = format!("{element}{more}");
+        let expected = format!(":{line}: {rule}");
+        MODELS.refuse_bytes("super.mtx", text.as_bytes(), more, &expected);
+    }
+}
+
 /// Seen to fail with the components of the first position for all.
 #[test]
 fn both_forms_of_a_user_element_are_the_chain() {

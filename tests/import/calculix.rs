@@ -75,6 +75,18 @@ fn damaged_matrices_are_refused() {
     assert!(count + others.len() > 30, "{count}");
 }
 
+/// Names as `dofs.txt` of an imported model has them, with names and without.
+///
+/// Seen to fail with the program before: "degree of freedom TEMP: must be a whole number".
+#[test]
+fn names_that_import_writes_are_read() {
+    for text in ["-30.1\n7.TEMP\n9.0\n1.MODE\n", "30\n60\n1.MODE\n2.MODE\n"] {
+        let found = read_as("job.dof", text.as_bytes()).unwrap().names.unwrap();
+        let found: String = found.iter().map(|dof| format!("{dof}\n")).collect();
+        assert_eq!(found, text);
+    }
+}
+
 const DAMAGED_NAMES: &str = "
 1 | 11 | :1: must be a degree of freedom: node.dof
 1 | 11.1 2 | :1: degree of freedom 1 2: must be
@@ -94,6 +106,9 @@ const DAMAGED_NAMES: &str = "
 1 | 0x11.1 | :1: node 0x11: must be
 1 | 11.1e0 | :1: degree of freedom 1e0: must be
 1 | 11.x | :1: degree of freedom x: must be
+1 | 11.X-Y | :1: degree of freedom X-Y: must be
+1 | x.MODE | :1: node x: must be
+2 | 11.MODE\n11.MODE | :3: degree of freedom 11.MODE: must be given once
 1 | 11..1 | :1: degree of freedom .1: must be
 1 | 11.1. | :1: degree of freedom 1.: must be
 1 | 11.10000 | :1: degree of freedom 10000: must be

@@ -223,6 +223,33 @@ fn rounding_of_the_file_leaves_no_negative_stiffness() {
     assert!((a + b).abs() < 1e-6 * a, "{a} and {b}");
 }
 
+/// What a reduction writes is imported again, with its names.
+///
+/// Seen to fail with the program before: "degree of freedom MODE: must be a whole number".
+#[test]
+fn a_reduced_model_is_imported_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    chain(path, 20, K, &[]);
+    let list = imported(path, &["--cut-off", "300", "--keep", "20"]);
+    let reduced = numbers(&list, "free frequencies");
+    for (from, to) in [
+        ("stiffness.mtx", "K.mtx"),
+        ("mass.mtx", "M.mtx"),
+        ("dofs.txt", "K.dof"),
+    ] {
+        std::fs::rename(path.join("model").join(from), path.join(to)).unwrap();
+    }
+    std::fs::remove_dir_all(path.join("model")).unwrap();
+    let list = imported(path, &[]);
+    assert!(list.contains("20.1, 1.MODE, 2.MODE"), "{list}");
+    let again = numbers(&list, "free frequencies");
+    // those far below the cut-off
+    for (again, before) in again[..3].iter().zip(&reduced) {
+        assert!((again / before - 1.0).abs() < 1e-3, "{list}");
+    }
+}
+
 /// Each rule of a reduction by its message; nothing is written.
 #[test]
 fn what_cannot_be_reduced_is_refused() {

@@ -12,7 +12,7 @@ const LARGEST_NODE: i64 = i32::MAX as i64;
 /// Largest number of a component.
 const LARGEST_COMPONENT: i64 = 9_999;
 
-/// Reads a matrix, or the loads of `*CLOAD` lines (`node, dof, value`). Lines that start with `*` are no entries.
+/// Reads a matrix, or the loads of one `*CLOAD` (`node, dof, value`). Lines that start with `*` are no entries.
 pub(in crate::import) fn read(path: &Path, text: &str) -> Result<ImportedMatrix, FileError> {
     let mut naming = Naming::default();
     let mut entries = Entries::default();
@@ -20,6 +20,10 @@ pub(in crate::import) fn read(path: &Path, text: &str) -> Result<ImportedMatrix,
     let mut lines = Lines::new(path, text);
     while let Some(line) = lines.next() {
         if line.is_empty() || line.starts_with('*') {
+            let upper = line.to_ascii_uppercase();
+            if upper.starts_with("*CLOAD") {
+                one_load(&upper, loads.is_empty()).map_err(|rule| lines.fault(rule))?;
+            }
             continue;
         }
         let number = lines.number;
@@ -60,6 +64,22 @@ pub(in crate::import) fn read(path: &Path, text: &str) -> Result<ImportedMatrix,
         content,
         digits,
     })
+}
+
+/// Requires that a CLOAD (in capital letters) begins the only load of a file. Others are further load cases or imaginary parts: that
+/// they act at once, or as the cosine part, is nowhere said.
+///
+/// # Errors
+/// The rule that it breaks.
+pub(in crate::import) fn one_load(keyword: &str, first: bool) -> Result<(), String> {
+    let what = match first {
+        _ if keyword.contains("IMAGINARY") => "is the imaginary part of a load",
+        false => "is a second load",
+        true => return Ok(()),
+    };
+    Err(format!(
+        "{what}: a file must have one, and a real one; --excite or --forces states any other force"
+    ))
 }
 
 /// The degree of freedom that two words state.

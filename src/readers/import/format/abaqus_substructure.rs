@@ -6,7 +6,7 @@ use std::path::Path;
 use super::super::dof::Dof;
 use super::super::lines::{Lines, number, size, whole, words};
 use super::super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
-use super::abaqus_matrix::dof_of;
+use super::abaqus_matrix::{dof_of, one_load};
 use crate::file::{FileError, significant_digits};
 use crate::model::matrix_market::LARGEST;
 
@@ -81,7 +81,7 @@ impl Element {
                     self.nodes.clear();
                     Some(Part::Nodes)
                 }
-                _ if comment.starts_with("CLOAD") => Some(Part::Loads),
+                _ if comment.starts_with("CLOAD") => Some(self.load(comment)?),
                 _ => None,
             });
         }
@@ -117,10 +117,15 @@ impl Element {
                     ..Triangle::default()
                 })
             }
-            ["CLOAD", ..] => Part::Loads,
+            ["CLOAD", ..] => self.load(upper)?,
             // a keyword of another kind ends what came before
             _ => Part::Other,
         }))
+    }
+
+    /// Begins the load.
+    fn load(&self, keyword: &str) -> Result<Part, String> {
+        one_load(keyword, self.loads.is_empty()).map(|()| Part::Loads)
     }
 
     /// Takes a line that belongs to a part.
