@@ -26,6 +26,7 @@ mod reduce;
 #[path = "../common/mutation.rs"]
 mod shared_mutation;
 mod tutorial;
+mod warnings;
 
 use std::path::Path;
 

@@ -58,6 +58,7 @@ mod lines;
 mod read;
 mod systems;
 mod table;
+mod warnings;
 
 pub use facts::Facts;
 pub use matrix::ImportedMatrix;
@@ -154,14 +155,15 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     if request.reduction.is_none() {
         model.check_as_reduced(Stage::Read)?;
     }
-    let mut warnings = warnings(&model, &files, request);
+    let mut warnings = warnings::of_files(&model, &files, request);
     let mut model = model.in_si(request.units);
     if let Some(role) = request.load {
         use_load(&mut model, role)?;
     }
     let (pairs, forces) = attached(&model, request)?;
-    warnings.extend(replaced(&model, &forces));
+    warnings.extend(leave_out_replaced(&mut model, &forces));
     let facts = Facts::of(&model)?;
+    warnings.extend(warnings::too_stiff(&model, &facts));
     if facts.frequencies_hz.is_empty() {
         warnings.push("the free structure has no flexible mode".to_owned());
     }
@@ -238,8 +240,9 @@ fn use_load(model: &mut ImportedModel, role: Role) -> Result<(), BadSetting> {
     }
 }
 
-/// Forces of the files that those of options and tables take the place of.
-fn replaced(model: &ImportedModel, forces: &Forces) -> Vec<String> {
+/// Leaves out the forces of the files that those of options and tables take the place of, and says which: the harmonic one as a whole,
+/// whether another cosine or another sine part is stated.
+fn leave_out_replaced(model: &mut ImportedModel, forces: &Forces) -> Vec<String> {
     let harmonic = !(forces.cosine.is_empty() && forces.sine.is_empty());
     let given = [
         ("harmonic", Role::HarmonicForce, harmonic),
@@ -247,34 +250,11 @@ fn replaced(model: &ImportedModel, forces: &Forces) -> Vec<String> {
     ];
     let lost = given
         .into_iter()
-        .filter(|(_, role, given)| *given && model.forces.contains_key(role));
+        .filter(|(_, role, given)| *given && model.forces.remove(role).is_some());
     let warning = |kind| {
         format!("the {kind} force of the files is not used: --excite or --forces states another")
     };
     lost.map(|(kind, ..)| warning(kind)).collect()
-}
-
-fn warnings(model: &ImportedModel, files: &[ReadFile], request: &Request) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if !write::has_nodes(&model.dofs) {
-        warnings.push(
-            "no file has names: degrees of freedom are called 1, 2, ... and all count as displacements"
-                .to_owned(),
-        );
-    }
-    if model.forces.contains_key(&Role::Load) && request.load.is_none() {
-        warnings.push(
-            "the load of the files is not used: --load harmonic or --load static says what it is"
-                .to_owned(),
-        );
-    }
-    for file in files {
-        for (name, _) in file.matrices.iter().filter(|(_, role)| role.is_none()) {
-            let path = file.path.display();
-            warnings.push(format!("{path}: matrix {name} is not used"));
-        }
-    }
-    warnings
 }
 
 /// The study has the name of its folder.

@@ -74,10 +74,18 @@ pub fn not_negative(eigenvalue: f64, tolerance: f64, digits: u32) -> Result<(), 
         return Ok(());
     }
     let ratio = -eigenvalue / tolerance;
+    let why = match digits {
+        0..FEWEST_DIGITS => format!(
+            "and its numbers, of {digits} digits, are taken as exact, since they have fewer than {FEWEST_DIGITS}: a sign or an entry is \
+             wrong, or they are rounded and the file must state more digits"
+        ),
+        _ => format!(
+            "{ratio:.1e} times what rounding to {digits} digits allows: a sign or an entry is wrong, or the numbers need more \
+             digits (ANSYS: *SMAT has 16, *DMAT 9)"
+        ),
+    };
     Err(format!(
-        "must be positive semidefinite, but scaled to a unit diagonal it has the negative eigenvalue {eigenvalue:.1e}, \
-         {ratio:.1e} times what rounding to {digits} digits allows: a sign or an entry is wrong, or the numbers need more \
-         digits (ANSYS: *SMAT has 16, *DMAT 9)"
+        "must be positive semidefinite, but scaled to a unit diagonal it has the negative eigenvalue {eigenvalue:.1e}, {why}"
     ))
 }
 
