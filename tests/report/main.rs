@@ -22,4 +22,5 @@ mod summary;
 mod synthetic;
 mod synthetic_contact;
 mod verdict_points;
+mod verdict_sentences;
 mod verdicts;

@@ -16,7 +16,7 @@ fn one_sample_decides_where_no_input_is_random() {
             &[fine],
             0.0,
             Pass,
-            "50.00 µm at 20 N (50.00 µm to 50.00 µm; at most 100.0 µm is allowed).",
+            "50.00 µm at 20 N (50.00 µm to 50.00 µm; at most 100 µm is allowed).",
         ),
         (&[fine; 3], 0.04, Pass, "(48.00 µm to 52.00 µm;"),
         (&[high], 0.0, Fail, "(150.0 µm to 150.0 µm;"),

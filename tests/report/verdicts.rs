@@ -186,7 +186,7 @@ fn the_order_that_crosses_most_samples_is_named() {
 fn verdicts_speak_of_the_assumed_prior() {
     let study = study(200, 500.0);
     let result = judged(&study);
-    let expected = "95 % of the assumed prior stays below 190.0 µm at 20 N (185.0 µm to 196.0 µm; at most 500.0 µm is allowed).";
+    let expected = "95 % of the assumed prior stays below 190.0 µm at 20 N (185.0 µm to 196.0 µm; at most 500 µm is allowed).";
     assert_eq!(result.sentence, expected);
     let power = only_level(&result).power.unwrap();
     assert!((power.kept - 0.975).abs() < 1e-12 && (0.4..0.8).contains(&power.probability));

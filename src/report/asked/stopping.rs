@@ -1,6 +1,7 @@
 //! When a study has enough samples: `samples = { until = ..., at_most = ... }`.
 
 use super::requirement::Criterion;
+use crate::page::display::stated_percent;
 use crate::report::convention::CONFIDENCE;
 use crate::setting::{BadSetting, positive, within};
 use crate::statistics::{confidence_at, looks, wilks_sample_size};
@@ -182,9 +183,9 @@ impl Stopping {
                     ResultOfSample::Frequency => "frequency",
                     ResultOfSample::Amplitude => "amplitude",
                 };
-                let (quantile, relative) = (100.0 * quantile, 100.0 * relative);
+                let [quantile, relative] = [*quantile, *relative].map(stated_percent);
                 format!(
-                    "the interval of the {quantile} % quantile of the {of} is at most {relative} % of it wide"
+                    "the interval of the {quantile} quantile of the {of} is at most {relative} of it wide"
                 )
             }
         }

@@ -19,6 +19,10 @@ pub struct CriterionResult {
     pub sentence: String,
     /// One entry per level that it holds for.
     pub levels: Vec<LevelResult>,
+    /// The level, or outer point of one, that takes more than the level that decides, where the judgement is UNDECIDED; absent where
+    /// none does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardest: Option<LevelResult>,
     /// The same with inputs of flat distributions taken as known to an interval only; absent without such inputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub as_intervals: Option<IgnoranceResult>,

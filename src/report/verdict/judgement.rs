@@ -35,7 +35,9 @@ fn result(input: &ReportInput, criterion: &Criterion, errors: &NumericalErrors) 
         ..Judged::new(*input, criterion, errors, level)
     };
     let judged: Vec<Judged> = levels.iter().map(judged).collect();
-    let levels: Vec<LevelResult> = judged.iter().map(worst_point).collect();
+    let points: Vec<Vec<LevelResult>> = judged.iter().map(results_of_points).collect();
+    let levels = judged.iter().zip(&points);
+    let levels: Vec<LevelResult> = levels.map(|(of, points)| worst_point(of, points)).collect();
     let any = |judgement| levels.iter().any(|l| l.judgement == judgement);
     let judgement = match (any(Judgement::Fail), any(Judgement::Undecided)) {
         (true, _) => Judgement::Fail,
@@ -49,15 +51,27 @@ fn result(input: &ReportInput, criterion: &Criterion, errors: &NumericalErrors) 
         sentence: String::new(),
         as_intervals: as_intervals(judgement, &judged),
         levels,
+        hardest: None,
     };
+    result.hardest = hardest(&result, points);
     result.sentence = sentence(input, &result);
     result
 }
 
-/// The worst over the outer points, where there are such: their samples are no population together.
-fn worst_point(judged: &Judged) -> LevelResult {
+/// Of all levels and outer points the one whose remedy is the hardest, if it is harder than that of the level that decides: what the
+/// sentence says of that one alone would not be enough.
+fn hardest(result: &CriterionResult, points: Vec<Vec<LevelResult>>) -> Option<LevelResult> {
+    let hardness = |level: &LevelResult| level.remedy.map(|remedy| remedy.hardness());
+    let enough = hardness(result.deciding()?)?;
+    let harder = points.into_iter().flatten();
+    let harder = harder.filter(|point| hardness(point) > Some(enough));
+    harder.max_by_key(hardness)
+}
+
+/// The results of the outer points, whose samples are no population together; of all samples where there are no such points.
+fn results_of_points(judged: &Judged) -> Vec<LevelResult> {
     if !nested(judged.input.outcomes) {
-        return judged.population();
+        return vec![judged.population()];
     }
     let of_point = |(outer, members): (Option<u64>, Vec<usize>)| {
         let outcomes: Vec<_> = (members.iter())
@@ -73,8 +87,11 @@ fn worst_point(judged: &Judged) -> LevelResult {
         }
     };
     let groups = outer_groups(judged.input.outcomes);
-    let points: Vec<LevelResult> = groups.into_iter().map(of_point).collect();
-    let over_box = over_box(&judged.input, &points);
+    groups.into_iter().map(of_point).collect()
+}
+
+/// The worst of the results of a level.
+fn worst_point(judged: &Judged, points: &[LevelResult]) -> LevelResult {
     let severity = |result: &LevelResult| {
         let word = match result.judgement {
             Judgement::Pass => 0,
@@ -83,13 +100,13 @@ fn worst_point(judged: &Judged) -> LevelResult {
         };
         (word, result.cost(judged.criterion))
     };
-    let worse = |a: LevelResult, b: LevelResult| match severity(&b) > severity(&a) {
+    let worse = |a, b| match severity(b) > severity(a) {
         true => b,
         false => a,
     };
-    let worst = points.into_iter().reduce(worse);
+    let worst = points.iter().reduce(worse).cloned();
     LevelResult {
-        over_box: Some(over_box),
+        over_box: nested(judged.input.outcomes).then(|| over_box(&judged.input, points)),
         ..worst.unwrap_or_else(|| judged.population())
     }
 }

@@ -3,7 +3,7 @@
 //! The box is known at its outer points and at those that the search for the worst case has met: a PASS is shown there and
 //! not between them.
 
-use crate::page::display::{from_to, short};
+use crate::page::display::{count, from_to, short};
 use crate::statistics::{Judgement, hull};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -53,11 +53,10 @@ impl OverBox {
             .iter()
             .filter(|p| p.judgement == judgement)
             .count();
-        let count = match points {
-            0 => return None,
-            1 => "1 point".to_owned(),
-            n => format!("{n} points"),
-        };
+        if points == 0 {
+            return None;
+        }
+        let count = count(points, "point");
         let places = match self.inputs.as_slice() {
             [input] => Some(self.stretches(judgement, input)),
             _ => self.ranges(judgement),

@@ -1,7 +1,10 @@
 //! A judgement in plain words: what was found, what was asked, and what would decide.
 
 use super::criterion_result::{CriterionResult, LevelResult, Power};
-use crate::page::display::{level_name, percent, significant, with_digits};
+use super::over_box::OverBox;
+use crate::page::display::{
+    beside, capitalised, count, level_name, percent, percent_beside, stated, stated_percent,
+};
 use crate::report::asked::requirement::{Criterion, Quantity};
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::RunRecord;
@@ -9,57 +12,82 @@ use crate::sampling::Growth;
 use crate::sampling::design_settings::MOST_SAMPLES;
 use crate::statistics::{Interval, Judgement, Remedy};
 
-/// How a number of the criterion is written.
-pub(in crate::report) fn shown(quantity: Quantity) -> fn(f64) -> String {
-    match quantity {
-        Quantity::FrequencyMarginPercent => |v| format!("{} %", with_digits(v, 3)),
-        Quantity::AmplitudeUm => |v| format!("{} µm", significant(v)),
-        Quantity::ReserveFactor => |v| with_digits(v, 3),
-        Quantity::ProbabilityOfExceedance => percent,
+/// How a number that is compared with the limit of the criterion is written: on its side of it.
+pub(in crate::report) fn shown(criterion: &Criterion) -> impl Fn(f64) -> String + use<> {
+    let (quantity, limit) = (criterion.quantity, criterion.limit);
+    move |v| match quantity {
+        Quantity::FrequencyMarginPercent => format!("{} %", beside(v, limit, 3)),
+        Quantity::AmplitudeUm => format!("{} µm", beside(v, limit, 4)),
+        Quantity::ReserveFactor => beside(v, limit, 3),
+        Quantity::ProbabilityOfExceedance => percent_beside(v, limit),
+    }
+}
+
+/// The limit of the criterion, as the study file states it.
+pub(in crate::report) fn stated_limit(criterion: &Criterion) -> String {
+    let limit = criterion.limit;
+    match criterion.quantity {
+        Quantity::FrequencyMarginPercent => format!("{} %", stated(limit)),
+        Quantity::AmplitudeUm => format!("{} µm", stated(limit)),
+        Quantity::ReserveFactor => stated(limit),
+        Quantity::ProbabilityOfExceedance => stated_percent(limit),
     }
 }
 
 /// The judgement of a criterion in one or two sentences.
 pub(super) fn sentence(input: &ReportInput, result: &CriterionResult) -> String {
-    let record = input.record;
+    let (record, criterion) = (input.record, &result.criterion);
     let Some(level) = result.deciding() else {
         return "No level was judged.".to_owned();
     };
     let place = place(record, result, level);
-    let Some(estimate) = level.estimate else {
-        return format!("No sample has a solution to be trusted {place}.");
-    };
-    let criterion = &result.criterion;
-    let show = shown(criterion.quantity);
-    let found = found(record, criterion, level, &show(estimate));
-    let limit = show(criterion.limit);
+    let limit = stated_limit(criterion);
     let asked = match criterion.quantity.at_least() {
         true => format!("at least {limit} is required"),
         false => format!("at most {limit} is allowed"),
     };
-    let interval = between(level.interval, show);
+    let show = shown(criterion);
+    let found = match level.estimate {
+        None => format!("No sample has a solution to be trusted {place} ({asked})."),
+        Some(estimate) => {
+            let found = found(record, criterion, level, &show(estimate));
+            let interval = between(level.interval, &show);
+            format!("{found} {place} ({interval}; {asked}).")
+        }
+    };
     let end = match result.judgement {
         Judgement::Pass => String::new(),
         Judgement::Fail => " The limit is not kept.".to_owned(),
-        Judgement::Undecided => {
-            remedy(input, level).map_or_else(String::new, |remedy| format!(" Undecided: {remedy}."))
-        }
+        Judgement::Undecided => undecided(input, result, level),
     };
-    let over_box = level
-        .over_box
-        .as_ref()
-        .map_or_else(String::new, |over_box| {
-            let points = over_box.points.len();
-            let words = over_box.in_words();
-            let seen = match record.design.further_points {
-                0 => format!("Shown at {points} points, not between them"),
-                n => format!(
-                    "Searched for the worst case: {n} of the {points} points; what lies between them is not proved"
-                ),
-            };
-            format!(" Over the box: {words}. {seen}.")
-        });
-    format!("{found} {place} ({interval}; {asked}).{end}{over_box}")
+    let over_box = level.over_box.as_ref();
+    let over_box = over_box.map_or_else(String::new, |over| over_box_in_words(record, over));
+    format!("{found}{end}{over_box}")
+}
+
+/// What would decide at the level that decides, and at the one that takes most, if that is another one.
+fn undecided(input: &ReportInput, result: &CriterionResult, level: &LevelResult) -> String {
+    let decides = remedy(input, level).map(|remedy| format!(" Undecided: {remedy}."));
+    let hardest = result.hardest.as_ref().and_then(|hardest| {
+        let place = capitalised(&at(input.record, hardest));
+        let outer = hardest
+            .outer
+            .map_or_else(String::new, |n| format!(" and outer point {n}"));
+        Some(format!(" {place}{outer}: {}.", remedy(input, hardest)?))
+    });
+    decides.into_iter().chain(hardest).collect()
+}
+
+/// Where over the box the limit is kept, and how that is known.
+fn over_box_in_words(record: &RunRecord, over: &OverBox) -> String {
+    let points = count(over.points.len(), "point");
+    let seen = match record.design.further_points {
+        0 => format!("Shown at {points}, not between them"),
+        n => format!(
+            "Searched for the worst case: {n} of the {points}; what lies between them is not proved"
+        ),
+    };
+    format!(" Over the box: {}. {seen}.", over.in_words())
 }
 
 fn found(record: &RunRecord, criterion: &Criterion, level: &LevelResult, number: &str) -> String {
@@ -77,7 +105,7 @@ fn found(record: &RunRecord, criterion: &Criterion, level: &LevelResult, number:
         };
         return format!("No input is random: the {what} is {number}");
     }
-    let share = percent(criterion.share());
+    let share = stated_percent(criterion.share());
     match criterion.quantity {
         Quantity::FrequencyMarginPercent => {
             let what = nearest_order(record, level);
@@ -108,7 +136,7 @@ fn nearest_order(record: &RunRecord, level: &LevelResult) -> String {
 
 /// `at 5 N, the worst of 2 levels`.
 fn place(record: &RunRecord, result: &CriterionResult, level: &LevelResult) -> String {
-    let mut text = format!("at {}", level_name(level.level, &record.level_unit));
+    let mut text = at(record, level);
     if result.levels.len() > 1 {
         text.push_str(&format!(", the worst of {} levels", result.levels.len()));
     }
@@ -118,7 +146,12 @@ fn place(record: &RunRecord, result: &CriterionResult, level: &LevelResult) -> S
     text
 }
 
-fn between(interval: Interval, show: fn(f64) -> String) -> String {
+/// `at 5 N`.
+fn at(record: &RunRecord, level: &LevelResult) -> String {
+    format!("at {}", level_name(level.level, &record.level_unit))
+}
+
+fn between(interval: Interval, show: &impl Fn(f64) -> String) -> String {
     match (interval.lower.value(), interval.upper.value()) {
         (Some(lower), Some(upper)) => format!("{} to {}", show(lower), show(upper)),
         (Some(lower), None) => format!("{} or more", show(lower)),
@@ -225,7 +258,7 @@ pub(in crate::report) fn reasons(level: &LevelResult) -> String {
 
 /// How often a study of this size passes: a PASS of a study that hardly ever gives one says more than its absence would.
 pub(in crate::report) fn power(power: &Power) -> String {
-    let kept = with_digits(100.0 * power.kept, 3);
+    let kept = beside(100.0 * power.kept, 100.0, 3);
     let more = match power.samples_for_90_percent {
         Some(n) => format!(", {n} samples in 90 %"),
         None => String::new(),

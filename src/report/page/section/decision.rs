@@ -46,7 +46,7 @@ fn figure(view: &View, k: usize, result: &CriterionResult) -> Figure {
         let interval = [lower.unwrap_or(ends[0]), upper.unwrap_or(ends[1])];
         panel.level_whisker(&format!("l{i}"), y, interval);
         panel.mark(i, (estimate, y));
-        let show = shown(*quantity);
+        let show = shown(&result.criterion);
         let words = [
             format!("{name}: {}", show(estimate)),
             limits(level.interval, &show),

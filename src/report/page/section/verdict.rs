@@ -4,7 +4,7 @@ use super::decision;
 use crate::ensemble::outcome::Maximum;
 use crate::hb::Status;
 use crate::page::block::{Block, Cell, Section, Table, Verdict};
-use crate::page::display::{DASH, duration, hertz, percent, significant};
+use crate::page::display::{DASH, count, duration, hertz, percent, significant, stated_percent};
 use crate::report::asked::requirement::{Criterion, Quantity};
 use crate::report::assessment::pooling;
 use crate::report::numbers::margins::smallest_margin;
@@ -13,7 +13,7 @@ use crate::report::numbers::summary::Summary;
 use crate::report::page::statistic_cell::{bound_cell, limits};
 use crate::report::page::view::View;
 use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};
-use crate::report::verdict::sentence::{power, reasons, shown, word};
+use crate::report::verdict::sentence::{power, reasons, shown, stated_limit, word};
 use crate::statistics::Judgement;
 
 pub(super) fn section(view: &View) -> Section {
@@ -108,8 +108,8 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
     );
     let source = [&criterion.standard, &criterion.clause].map(|s| s.as_deref());
     let source: Vec<&str> = source.into_iter().flatten().collect();
-    let show = shown(criterion.quantity);
-    let found = level.estimate.map_or_else(|| DASH.to_owned(), show);
+    let show = shown(criterion);
+    let found = level.estimate.map_or_else(|| DASH.to_owned(), &show);
     let mut levels = view.input.record.levels.iter();
     let place = levels.position(|l| *l == level.level);
     let sides = [level.interval.lower.value(), level.interval.upper.value()];
@@ -121,11 +121,14 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
         (level.outer).map_or_else(String::new, |outer| format!("worst outer point: {outer}"));
     let share = match criterion.quantity {
         Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
-        _ => format!("for {} of the assumed prior", percent(criterion.share())),
+        _ => format!(
+            "for {} of the assumed prior",
+            stated_percent(criterion.share())
+        ),
     };
     let confidence = match &level.power {
         Some(chance) => Cell::number(
-            percent(criterion.confidence()),
+            stated_percent(criterion.confidence()),
             Some(criterion.confidence()),
         )
         .with_small(share)
@@ -147,14 +150,14 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
             .with_raw(sides)
             .with_small(limits(level.interval, &show)),
         confidence.with_class("text prose"),
-        trust_cell(view, level, show),
+        trust_cell(view, level, &show),
         as_intervals_cell(result),
     ]
 }
 
 /// What is required, in words.
 fn requirement(criterion: &Criterion) -> String {
-    let limit = shown(criterion.quantity)(criterion.limit);
+    let limit = stated_limit(criterion);
     match criterion.quantity {
         Quantity::FrequencyMarginPercent => format!("frequency margin ≥ {limit}"),
         Quantity::AmplitudeUm => format!("amplitude ≤ {limit}"),
@@ -173,7 +176,7 @@ fn badge(judgement: Judgement, points: Option<usize>, indication: bool) -> (Stri
     };
     let word = word(judgement);
     let at = match points.filter(|_| judgement == Judgement::Pass) {
-        Some(n) => format!(" at {n} points"),
+        Some(n) => format!(" at {}", count(n, "point")),
         None => String::new(),
     };
     let end = if indication { " (indication)" } else { "" };
@@ -201,7 +204,7 @@ fn as_intervals_cell(result: &CriterionResult) -> Cell {
 }
 
 /// Counts of the samples and of curves with several answers, and what their numerical error does to the interval.
-fn trust_cell(view: &View, level: &LevelResult, show: fn(f64) -> String) -> Cell {
+fn trust_cell(view: &View, level: &LevelResult, show: &dyn Fn(f64) -> String) -> Cell {
     let counted = &level.counted;
     let error = &level.numerical_error;
     let moved = [(error.lower, "below"), (error.upper, "above")].map(|(width, side)| match width {

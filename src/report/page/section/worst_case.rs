@@ -90,7 +90,7 @@ fn figure(
         let words = [
             format!("point {outer}: {}", word(point.judgement)),
             format!("{} {}", over.inputs[j], short(place.0)),
-            shown(criterion.quantity)(place.1),
+            shown(criterion)(place.1),
         ];
         panel.readout_mark(place, &words);
     }
