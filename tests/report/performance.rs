@@ -173,3 +173,11 @@ fn results_without_damping_ratios_say_so() {
     );
     assert_eq!(Summary::of(&study.input()).levels[0].damping_ratio.valid, 0);
 }
+
+/// Amplitudes over the level of the study are not those over the excitation of each sample: the tables of both have names of their own. Seen to
+/// fail with the program before: both were "Amplitude per excitation".
+#[test]
+fn amplitudes_are_named_by_what_they_are_divided_by() {
+    let page = SyntheticStudy::new(20).page();
+    assert!(page.contains("Amplitude per nominal level ("));
+}

@@ -4,6 +4,7 @@ use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::ensemble::outcome::AroundPeak;
 use microslip::hb::Status;
 use microslip::report::Summary;
+use microslip::statistics::Limit;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
@@ -164,6 +165,22 @@ fn replicates_show_the_error_of_the_mean() {
     microslip::report::write(folder.path(), &study.input()).unwrap();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(page.contains("Means over the replicates") && page.contains("105.0000"));
+}
+
+/// Means 1, 1 and 100 of three replicates: Student's interval of the amplitude goes on below 0, where no amplitude is. Seen to fail with
+/// the program before, whose interval did.
+#[test]
+fn the_mean_of_an_amplitude_is_not_negative() {
+    let mut study = SyntheticStudy::new(12);
+    for (i, outcome) in study.outcomes.iter_mut().enumerate() {
+        outcome.group.replicate = Some(i as u32 % 3);
+        let peak = outcome.levels[0].peak.as_mut().unwrap();
+        peak.amplitude_m = [1e-6, 1e-6, 1e-4][i % 3];
+    }
+    let summary = Summary::of(&study.input());
+    let found = summary.levels[0].replicate_means.unwrap().amplitude_m;
+    assert_eq!(found.interval.lower, Limit::Value(0.0));
+    assert!(found.interval.upper.value() > Some(1e-4), "{found:?}");
 }
 
 /// The same samples in another order give the same bits. Seen to fail without the sort of the values.

@@ -3,14 +3,16 @@
 use super::peaks::usable_peak;
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::report::convention::{CONFIDENCE, PROBABILITIES};
-use crate::statistics::{ReplicateMean, ReplicateQuantile, replicate_mean, replicate_quantile};
+use crate::statistics::{
+    Limit, ReplicateMean, ReplicateQuantile, replicate_mean, replicate_quantile,
+};
 
 /// Means over the replicates of a quasi-random design, with the errors that their scatter shows.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReplicateMeans {
-    /// Resonance frequency (Hz).
+    /// Resonance frequency (Hz). Its interval ends at 0 where the scatter of the replicates would have it go on below.
     pub frequency_hz: ReplicateMean,
-    /// Amplitude (m).
+    /// Amplitude (m), with an interval that ends at 0 likewise.
     pub amplitude_m: ReplicateMean,
     /// Intervals of the quantiles of the resonance frequency (Hz), one per probability.
     pub frequency_quantiles_hz: [ReplicateQuantile; PROBABILITIES.len()],
@@ -35,7 +37,9 @@ impl ReplicateMeans {
             outcomes.clone().filter_map(one).collect()
         };
         let (frequency, amplitude) = (of(|p| p.frequency_hz), of(|p| p.amplitude_m));
-        let mean = |values: &Vec<(u64, f64)>| replicate_mean(values.iter().copied(), CONFIDENCE);
+        let mean = |values: &Vec<(u64, f64)>| {
+            replicate_mean(values.iter().copied(), CONFIDENCE).map(not_negative)
+        };
         let quantiles = |values: &Vec<(u64, f64)>| {
             let at = |p| replicate_quantile(values.iter().copied(), p, CONFIDENCE);
             let [low, middle, high] = PROBABILITIES.map(at);
@@ -48,4 +52,12 @@ impl ReplicateMeans {
             amplitude_quantiles_m: quantiles(&amplitude)?,
         })
     }
+}
+
+/// The mean of a positive quantity: no value below 0 is one of it.
+fn not_negative(mut mean: ReplicateMean) -> ReplicateMean {
+    if let Limit::Value(lower) = &mut mean.interval.lower {
+        *lower = lower.max(0.0);
+    }
+    mean
 }

@@ -2,6 +2,7 @@
 
 use super::outer_points::{nested, outer_groups};
 use crate::ensemble::outcome::{SampleOutcome, SweepRecord};
+use crate::page::display::count;
 use crate::statistics::{Proportion, proportion};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -60,7 +61,10 @@ impl SeveralAnswers {
         };
         match curves {
             0 => "several answers not looked for: no curves".to_owned(),
-            curves => format!("several answers on {several} of {curves} curves{of}"),
+            curves => format!(
+                "several answers on {several} of {}{of}",
+                count(curves, "curve")
+            ),
         }
     }
 }

@@ -121,8 +121,16 @@ pub(super) fn range_cell(range: &BoxRange, show: &dyn Fn(f64) -> String) -> Cell
     Cell::number(limits(ends, show), lowest.value.value())
         .with_raw([highest.value.value(), interval[0], interval[1]])
         .with_raw([lowest.outer, highest.outer].map(|outer| Some(outer as f64)))
-        .with_small(format!("at points {} and {}", lowest.outer, highest.outer))
+        .with_small(places(lowest.outer, highest.outer))
         .with_small(limits(range.interval, show))
+}
+
+/// The outer points of both ends of a range.
+fn places(lowest: u64, highest: u64) -> String {
+    match lowest == highest {
+        true => format!("at point {lowest}"),
+        false => format!("at points {lowest} and {highest}"),
+    }
 }
 
 /// The outermost value and the outer point that it comes from.
@@ -135,4 +143,16 @@ pub(super) fn extreme_cell(extreme: &Extreme, show: &dyn Fn(f64) -> String) -> C
     Cell::number(extreme.value.in_words(show), value)
         .with_raw([Some(extreme.outer as f64)])
         .with_small(basis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::places;
+
+    /// Seen to fail with "at points 0 and 0".
+    #[test]
+    fn one_point_is_named_once() {
+        let found = [places(0, 0), places(0, 2)];
+        assert_eq!(found, ["at point 0", "at points 0 and 2"]);
+    }
 }

@@ -1,7 +1,7 @@
 //! What further samples on few harmonics add to the samples: means and probabilities by control variate.
 
 use crate::page::block::{Block, Cell, Section, Table};
-use crate::page::display::{DASH, minus_sign, percent, significant};
+use crate::page::display::{DASH, count, percent, signed, significant};
 use crate::report::numbers::control_variate::{ControlledAndPlain, LevelControlVariate};
 use crate::report::page::statistic_cell::{limits, percent_range, share_cell};
 use crate::report::page::view::{Shown, View};
@@ -114,7 +114,7 @@ fn mean_cells(view: &View, shown: Shown, found: Option<&ControlledMean>) -> [Cel
         cell(found.mean, found.interval),
         cell(found.mean_alone, found.interval_alone),
         Cell::number(
-            minus_sign(&format!("{:.3}", found.correlation)),
+            signed(&format!("{:.3}", found.correlation)),
             Some(found.correlation),
         ),
         ratio_cell(found.variance_ratio),
@@ -175,7 +175,10 @@ fn exceedance_row(view: &View, i: usize, both: &ControlledAndPlain) -> Vec<Cell>
         Cell::number(percent(share.estimate), Some(share.estimate))
             .with_raw(raw.map(Some))
             .with_small(percent_range(share.lower, share.upper))
-            .with_small(format!("the control is wrong at {wrong} samples")),
+            .with_small(format!(
+                "the control is wrong at {}",
+                count(wrong, "sample")
+            )),
         share_cell(both.samples.as_ref().map(|s| s.probability).as_ref()),
         ratio_cell(Some(found.variance_ratio)),
     ]

@@ -9,7 +9,7 @@ use super::response_frame::{
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use crate::page::axis::Axis;
 use crate::page::block::Figure;
-use crate::page::display::{percent, significant};
+use crate::page::display::{count, percent, significant};
 use crate::page::figure::{Panel, Size};
 use crate::report::asked::bands::Bands;
 use crate::report::convention::{CONTENT, PROBABILITIES};
@@ -330,17 +330,17 @@ fn caption(bands: &CurveBands, drawn: bool) -> String {
         None => "No sample has a response curve.".to_owned(),
         Some(_) if !drawn => "No frequency is reached by half of the curves.".to_owned(),
         Some(inside) => format!(
-            "{} curves, {} of them wholly inside the pointwise band.",
-            bands.curves,
+            "{}, {} of them wholly inside the pointwise band.",
+            count(bands.curves, "curve"),
             percent(inside.estimate)
         ),
     };
     let whole = match &bands.whole {
         Ok(band) => format!(
-            " Dashed: holds {} of whole curves where they exist; {} curves shaped it, {} samples set its width.",
+            " Dashed: holds {} of whole curves where they exist; {} shaped it, {} set its width.",
             percent(band.expected_coverage),
-            band.shaped_by,
-            band.calibration.total()
+            count(band.shaped_by, "curve"),
+            count(band.calibration.total(), "sample")
         ),
         Err(_) if bands.curves == 0 => String::new(),
         Err(refusal) => format!(" No band of whole curves: {refusal}."),
@@ -356,7 +356,11 @@ fn caption_of_points(points: &[CurveBands], drawn: bool) -> String {
         return format!("No sample of outer point {outer} has a response curve.");
     }
     let pointwise = match drawn {
-        true => format!("{curves} curves of {} outer points.", points.len()),
+        true => format!(
+            "{} of {}.",
+            count(curves, "curve"),
+            count(points.len(), "outer point")
+        ),
         false => "No frequency is reached by half of the curves of every outer point.".to_owned(),
     };
     let coverage = |p: &CurveBands| match &p.whole {

@@ -2,7 +2,7 @@
 
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
-use crate::page::display::percent;
+use crate::page::display::{count, percent};
 use crate::page::distribution::{confidence_band, cumulative_steps};
 use crate::page::figure::{Panel, Size};
 use crate::report::convention::PROBABILITIES;
@@ -59,7 +59,7 @@ fn level_histogram(view: &View, shown: Shown, i: usize) -> Figure {
     panel.bars(&format!("l{i}"), bars);
     for bin in &bins {
         let [from, to] = [bin.lower, bin.upper].map(|value| shown.in_words(value));
-        let words = [format!("{from} to {to}"), format!("{} samples", bin.count)];
+        let words = [format!("{from} to {to}"), count(bin.count, "sample")];
         panel.readout_between([bin.lower, bin.upper], &words);
     }
     let quantiles = PROBABILITIES.into_iter();

@@ -37,7 +37,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
             show: &hertz,
         },
         Quantity {
-            title: format!("Amplitude per excitation ({})", view.amplitude_unit()),
+            title: format!("Amplitude per nominal level ({})", view.amplitude_unit()),
             file: "amplitude-per-level",
             distribution: |l| &l.amplitude_per_unit_level_m,
             nominal: |l| Some(l.nominal?.amplitude_m / l.level),
@@ -56,7 +56,8 @@ pub(super) fn section(view: &View) -> Option<Section> {
     let hint = "Quantiles are order statistics of the samples with a solution. Small figures: 95 % confidence interval \
                 from the binomial, free of any assumption on the distribution; “open” means that the samples do not \
                 bound that side. Where samples failed, the second small line is the range of the quantile over all \
-                values they could have had. Downloads are in SI units.";
+                values they could have had. “Per nominal level” divides by the level of the study, not by the excitation of each \
+                sample. Downloads are in SI units.";
     let tables = quantities.iter().map(|q| table(view, q));
     Some(Section {
         id: "envelopes",

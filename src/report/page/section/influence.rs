@@ -2,7 +2,7 @@
 
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Section, Table};
-use crate::page::display::{DASH, from_to, minus_sign, percent, significant};
+use crate::page::display::{DASH, count, from_to, percent, signed, significant};
 use crate::page::figure::{Panel, Size};
 use crate::page::thinning::thinned;
 use crate::report::numbers::correlation::InputCorrelation;
@@ -237,7 +237,7 @@ fn indices(view: &View) -> Block {
 fn index_cells(view: &View, result: &IndexResult) -> Vec<Cell> {
     match result {
         IndexResult::Index(found) => vec![index_cell(found.index)],
-        IndexResult::Points(range) => vec![range_cell(range, &|v| minus_sign(&format!("{v:.2}")))],
+        IndexResult::Points(range) => vec![range_cell(range, &|v| signed(&format!("{v:.2}")))],
         IndexResult::PickFreeze(found) => [found.first, found.total].map(index_cell).into(),
         IndexResult::Refused(reason) => {
             let fields = view.fields(interval_fields!("index")).len();
@@ -251,7 +251,7 @@ fn index_cells(view: &View, result: &IndexResult) -> Vec<Cell> {
 
 /// An index with its interval and the verdict on it.
 pub(super) fn index_cell(index: Index) -> Cell {
-    let number = |v: f64| minus_sign(&format!("{v:.2}"));
+    let number = |v: f64| signed(&format!("{v:.2}"));
     let cell = Cell::number(number(index.estimate), Some(index.estimate))
         .with_raw([Some(index.lower), Some(index.upper)])
         .with_small(format!("{} … {}", number(index.lower), number(index.upper)));
@@ -416,7 +416,8 @@ fn scatter(view: &View, j: usize, shown: Shown) -> Figure {
             if let Some(median) = quantile(&values, 0.5) {
                 let (level, n) = (view.level_name(i), values.values().len());
                 words.push(format!(
-                    "{level}: {n} samples, median {}",
+                    "{level}: {}, median {}",
+                    count(n, "sample"),
                     shown.in_words(median)
                 ));
             }
@@ -452,7 +453,7 @@ fn correlations(view: &View, shown: Shown, value: fn(&InputCorrelation) -> Optio
 
 /// Lowest and highest coefficient, shaded by what both have in common.
 fn correlation_cell(ends: Option<[f64; 2]>, nested: bool) -> Cell {
-    let show = |rho: f64| minus_sign(&format!("{rho:+.2}"));
+    let show = |rho: f64| signed(&format!("{rho:+.2}"));
     let text = ends.map_or_else(|| DASH.to_owned(), |ends| from_to(ends, show));
     let [low, high] = ends.unwrap_or_default();
     let strength = match low * high > 0.0 {

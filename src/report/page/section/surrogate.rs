@@ -2,7 +2,7 @@
 
 use super::influence::index_cell;
 use crate::page::block::{Block, Cell, Section, Table};
-use crate::page::display::{DASH, minus_sign, percent, significant};
+use crate::page::display::{DASH, count, percent, signed, significant};
 use crate::report::numbers::surrogate::{
     ExceedanceBoth, LevelSurrogates, Surrogate, SurrogateResult,
 };
@@ -109,7 +109,7 @@ fn worth_cells(view: &View, shown: Shown, surrogate: &Surrogate) -> Vec<Cell> {
     };
     let held = &surrogate.held_out;
     vec![
-        Cell::number(minus_sign(&format!("{:.4}", held.q2)), Some(held.q2)),
+        Cell::number(signed(&format!("{:.4}", held.q2)), Some(held.q2)),
         error(held.rms),
         error(held.largest),
         Cell::number(surrogate.fitted.to_string(), Some(surrogate.fitted as f64))
@@ -210,8 +210,8 @@ fn exceedance_row(view: &View, i: usize, both: &ExceedanceBoth) -> Vec<Cell> {
             )
             .with_small(percent_range(share.lower, share.upper))
             .with_small(format!(
-                "wrong at {} samples",
-                found.missed + found.false_alarms
+                "wrong at {}",
+                count(found.missed + found.false_alarms, "sample")
             )),
         share_cell(samples.as_ref()),
     ]
