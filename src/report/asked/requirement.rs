@@ -26,6 +26,9 @@ const USUAL_STRENGTH_MPA: [f64; 2] = [10.0, 1e4];
 /// Speeds of turbines (1/min): a smaller number may be one in Hz.
 const USUAL_SPEED_RPM: [f64; 2] = [100.0, 2e5];
 
+/// Pattern of a line of printable characters, for JSON Schema.
+const LINE: &str = r"^[^\u0000-\u001f\u007f-\u009f\ufffe\uffff]*$";
+
 /// Requirements of a study; all may be absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Requirements {
@@ -110,11 +113,13 @@ pub enum Quantity {
 ))]
 pub struct Criterion {
     /// Name in the report.
-    #[schemars(regex(pattern = NOT_BLANK))]
+    #[schemars(regex(pattern = NOT_BLANK), extend("allOf" = [{ "pattern": LINE }]))]
     pub name: String,
     /// Document that the limit comes from: yours, since none is built in.
+    #[schemars(regex(pattern = LINE))]
     pub standard: Option<String>,
     /// Clause of the document that the limit comes from.
+    #[schemars(regex(pattern = LINE))]
     pub clause: Option<String>,
     /// What is judged, with its unit.
     pub quantity: Quantity,
@@ -182,6 +187,17 @@ impl Criterion {
     fn validate(&self) -> Result<(), BadSetting> {
         let named = !self.name.trim().is_empty();
         BadSetting::unless(named, "name", "\"\"", "must not be empty")?;
+        let [standard, clause] = [&self.standard, &self.clause].map(Option::as_ref);
+        let texts = [
+            ("name", Some(&self.name)),
+            ("standard", standard),
+            ("clause", clause),
+        ];
+        for (key, text) in texts {
+            let text = text.map_or("", String::as_str);
+            let rule = "must be one line of printable characters";
+            BadSetting::unless(is_printable(text), key, format!("{text:?}"), rule)?;
+        }
         positive("limit", self.limit)?;
         within("limit", self.limit, [0.0, LARGEST])?;
         let share = self.share();
@@ -200,6 +216,11 @@ impl Criterion {
         }
         Ok(())
     }
+}
+
+/// Whether a text has no characters but those that XML, and with it a figure, can hold.
+fn is_printable(text: &str) -> bool {
+    !text.contains(|c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'))
 }
 
 /// Requires a list that a figure can show.

@@ -384,6 +384,16 @@ pub(crate) const REFUSED: &[Case] = &[
     ),
     (
         "[output]",
+        "[[criteria]]\nname = \"a\\u0001\"\nquantity = \"amplitude-um\"\nlimit = 1\n[output]",
+        &[":40: criteria[0].name = \"a\\u{1}\": must be one line of printable characters"],
+    ),
+    (
+        "[output]",
+        "[[criteria]]\nname = \"a\"\nclause = \"\\uFFFE\"\nquantity = \"amplitude-um\"\nlimit = 1\n[output]",
+        &[":41: criteria[0].clause = \"\\u{fffe}\": must be one line"],
+    ),
+    (
+        "[output]",
         "[stress]\nmodal_stress_mpa_per_um = 12\nmean_stress_mpa = 180\nendurance_limit_mpa = 350e6\n\
              ultimate_strength_mpa = 900\n[output]",
         &[":42: stress.endurance_limit_mpa = 3.5e8: must be from 0 to 1e6"],
