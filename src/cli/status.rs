@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime};
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
-use microslip::report::disk::DISK_NUMBERS;
+use microslip::report::disk::{DISK_NUMBERS, order_faults};
 use microslip::report::outdated;
 use microslip::study::{FolderStatus, RunStatus, order_folders};
 
@@ -20,12 +20,16 @@ pub(super) struct StatusArguments {
 impl StatusArguments {
     pub(super) fn status(&self) -> Result<(), Error> {
         let found = self.read()?;
+        let of_orders = self.order_faults()?;
         print(|out| {
             for (folder, status) in &found {
                 if !self.is_alone(&found) {
                     writeln!(out, "{}:", folder.display())?;
                 }
                 show_folder(out, status)?;
+            }
+            for fault in &of_orders {
+                writeln!(out, "fault: {fault}")?;
             }
             match self.lacks_page(&found) {
                 true => writeln!(
@@ -44,7 +48,9 @@ impl StatusArguments {
 
     pub(super) fn verify(&self) -> Result<(), Error> {
         let found = self.read()?;
-        let mut refused: Vec<Error> = Vec::new();
+        let of_orders = self.order_faults()?.into_iter();
+        let of_orders = of_orders.map(|fault| Error::results(&self.folder, fault));
+        let mut refused: Vec<Error> = of_orders.collect();
         print(|out| {
             for (folder, status) in &found {
                 match whole(folder, status) {
@@ -61,9 +67,15 @@ impl StatusArguments {
             0 | 1 => refused.pop().map_or(Ok(()), Err),
             n => Err(Error::results(
                 &self.folder,
-                format!("{n} folders have faults: {}", in_words(&refused)),
+                format!("{n} faults: {}", in_words(&refused)),
             )),
         }
+    }
+
+    /// What is wrong with the folders of engine orders beside what each holds.
+    fn order_faults(&self) -> Result<Vec<String>, Error> {
+        let orders = order_folders(&self.folder)?;
+        Ok(order_faults(&self.folder, &orders)?)
     }
 
     /// Whether what was found is all in the folder itself, which need not be named then.

@@ -283,6 +283,25 @@ fn status_and_verify_go_through_the_engine_orders() {
     assert!(text.contains("fault: "), "{text}");
 }
 
+/// A folder with the results of another engine order is a fault, and a lost one is. Seen to fail with the program before: exit code 0.
+#[test]
+fn verify_knows_the_order_of_each_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    solved(path, &[3, 5]);
+    let gather = ["disk", "order-3", "order-5", "--output", "."];
+    assert!(microslip(path, &gather).status.success());
+    assert!(microslip(path, &["verify", "."]).status.success());
+    for (from, to) in [("order-3", "lost"), ("order-5", "order-3")] {
+        std::fs::rename(path.join(from), path.join(to)).unwrap();
+    }
+    let output = microslip(path, &["verify", "."]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    let faults = ["order-3 has the results of engine order 5", "order-5 does"];
+    assert!(faults.iter().all(|words| said.contains(words)), "{said}");
+}
+
 /// A displacement on the right boundary is that of the left one of the next sector: as large, and later. Two displacements of one sector and
 /// of the next may make one response. Seen to fail (a panic) with responses of the next sector taken as those of this one where all
 /// sectors do the same.

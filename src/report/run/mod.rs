@@ -11,4 +11,6 @@ pub use record::{
     CONTROL_VARIATE, ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord,
     InputRecord, LinearRecord, RECORD, RunRecord, StaticLoadRecord, TABLES,
 };
-pub use stored_run::{CHANGED, StoredRun, order_folder, order_of_folder, require_unchanged};
+pub use stored_run::{
+    CHANGED, StoredRun, engine_order, order_folder, order_of_folder, require_unchanged,
+};

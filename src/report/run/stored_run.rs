@@ -118,6 +118,15 @@ pub fn order_of_folder(name: &str) -> Option<u32> {
     (order_folder(order) == name).then_some(order)
 }
 
+/// The engine order of the run in `folder`; absent for a run of no disk.
+///
+/// # Errors
+/// [`FileError`] if its record is absent or not what a run writes.
+pub fn engine_order(folder: &Path) -> Result<Option<u32>, FileError> {
+    let (record, _) = RunRecord::read(folder)?;
+    Ok(record.disk.map(|disk| disk.engine_order))
+}
+
 /// The folder as commands name it: [`RESULTS`] wherever it lies, so that a report stays the same where results are moved; inside it the
 /// folder of one of several engine orders, since the folder above has no samples of its own.
 fn in_commands(folder: &Path, record: &RunRecord) -> String {
