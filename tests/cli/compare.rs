@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use super::bad_input::assert_refused;
 use super::{STUDY, folder, microslip, without_curves};
+use microslip::ensemble::outcome::LevelOutcome;
 use microslip::ensemble::store::{StoredSamples, read_samples};
 
 const STIFFNESS: &str =
@@ -59,17 +60,21 @@ fn pairs_are_those_of_the_stored_samples() {
     let (a, b) = (read(path, "a"), read(path, "b"));
     let found = json(&path.join("out/comparison.json"));
     for i in 0..2 {
-        let amplitude = |of: &StoredSamples| -> Vec<f64> {
-            let peaks = of.outcomes.iter().map(|o| o.levels[i].peak.unwrap());
-            peaks.map(|peak| peak.amplitude_m).collect()
+        // amplitudes of the pairs of which both are to be trusted
+        let levels = |of: &StoredSamples| -> Vec<LevelOutcome> {
+            of.outcomes.iter().map(|o| o.levels[i].clone()).collect()
         };
-        let (a, b) = (amplitude(&a), amplitude(&b));
+        let pairs = levels(&a).into_iter().zip(levels(&b));
+        let trusted = pairs.filter(|(a, b)| a.status.is_trusted() && b.status.is_trusted());
+        let amplitude = |of: LevelOutcome| of.peak.unwrap().amplitude_m;
+        let mut differences: Vec<f64> = trusted.map(|(a, b)| amplitude(a) - amplitude(b)).collect();
         let pair = &found["levels"][i]["quantities"][1]["pairs"][0];
-        let better = a.iter().zip(&b).filter(|(a, b)| a < b).count();
+        let better = differences.iter().filter(|d| **d < 0.0).count();
         assert_eq!(pair["a_better"]["yes"], better, "level {i}");
-        let mut differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        assert_eq!(pair["a_better"]["unknown"], 40 - differences.len());
         differences.sort_by(f64::total_cmp);
-        assert_eq!(pair["median_difference"]["estimate"], differences[19]);
+        let median = differences[differences.len().div_ceil(2) - 1];
+        assert_eq!(pair["median_difference"]["estimate"], median);
         let ranking = &found["levels"][i]["quantities"][1]["rankings"][0];
         assert_eq!(ranking["quantile"], 0.95);
     }

@@ -108,7 +108,7 @@ const DAMAGED_NAMES: &str = "
 1 | 11.x | :1: degree of freedom x: must be
 1 | 11.X-Y | :1: degree of freedom X-Y: must be
 1 | x.MODE | :1: node x: must be
-2 | 11.MODE\n11.MODE | :3: degree of freedom 11.MODE: must be given once
+2 | 11.MODE\\n11.MODE | :3: degree of freedom 11.MODE: must be given once
 1 | 11..1 | :1: degree of freedom .1: must be
 1 | 11.1. | :1: degree of freedom 1.: must be
 1 | 11.10000 | :1: degree of freedom 10000: must be

@@ -244,8 +244,8 @@ fn a_reduced_model_is_imported_again() {
     let list = imported(path, &[]);
     assert!(list.contains("20.1, 1.MODE, 2.MODE"), "{list}");
     let again = numbers(&list, "free frequencies");
-    // those far below the cut-off
-    for (again, before) in again[..3].iter().zip(&reduced) {
+    // those far below the cut-off, whose error by the reduction is 4e-5 and 4e-4
+    for (again, before) in again[..2].iter().zip(&reduced) {
         assert!((again / before - 1.0).abs() < 1e-3, "{list}");
     }
 }

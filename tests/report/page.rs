@@ -152,6 +152,29 @@ fn sweep_branches_are_listed_by_sample() {
     assert!(up < down && first.contains(">17<"), "{first}");
 }
 
+/// A curve that goes above the peak elsewhere is named, with how far and where. Seen to fail with nothing said.
+#[test]
+fn curves_above_the_peak_are_told() {
+    let mut study = SyntheticStudy::new(60);
+    let said = |study: &SyntheticStudy| {
+        let page = page(&study.input());
+        let from = page.find("The peak is the highest maximum of the amplitude")?;
+        Some(page[from..from + 250].to_owned())
+    };
+    assert_eq!(said(&study), None);
+    let level = &mut study.outcomes[17].levels[2];
+    let mut sweeps = *level.around.sweeps().unwrap();
+    sweeps.upward.amplitude_m = 1.25 * level.peak.unwrap().amplitude_m;
+    sweeps.upward.frequency_hz = 444.4;
+    level.around = AroundPeak::new(Vec::new(), level.around.curve().to_vec(), Some(sweeps));
+    let notice = said(&study).unwrap();
+    let expected = "curves go above it elsewhere, by up to 25 % at 444.40 Hz";
+    assert!(
+        notice.contains(" 1 of ") && notice.contains(expected),
+        "{notice}"
+    );
+}
+
 /// Without curves nobody has looked for several answers, and margins say so. Seen to fail with nothing said.
 #[test]
 fn margins_say_that_no_curve_was_looked_at() {

@@ -16,6 +16,9 @@ use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};
 use crate::report::verdict::sentence::{power, reasons, shown, stated_limit, word};
 use crate::statistics::Judgement;
 
+/// Amplitude of a curve over that of the peak from which on it is above the peak: three times the error of a curve.
+const HIGHER: f64 = 1.01;
+
 pub(super) fn section(view: &View) -> Section {
     let notices = notices(view);
     let calm = "Every sample has a solution at every level, and no error alert was raised.";
@@ -321,6 +324,7 @@ fn notices(view: &View) -> Vec<String> {
     }
     notices.extend(untrusted_notice(summary));
     notices.extend((0..summary.levels.len()).filter_map(|i| lower_maxima_notice(view, i)));
+    notices.extend((0..summary.levels.len()).filter_map(|i| higher_curves_notice(view, i)));
     for (i, level) in summary.levels.iter().enumerate() {
         if level.frequency_hz.valid == 0 {
             let name = view.level_name(i);
@@ -351,6 +355,39 @@ fn lower_maxima_notice(view: &View, i: usize) -> Option<String> {
         shares.len(),
         view.input.outcomes.len(),
     ))
+}
+
+/// In how many samples a sweep through the band meets more than the peak at level `i`: at an end of the band, as a rule; absent for none.
+fn higher_curves_notice(view: &View, i: usize) -> Option<String> {
+    let (mut curves, mut higher) = (0, 0);
+    let mut farthest = (1.0, 0.0);
+    for sample in view.input.outcomes {
+        let level = &sample.levels[i];
+        let (Some(peak), Some(sweeps)) = (usable_peak(level), level.around.sweeps()) else {
+            continue;
+        };
+        let [up, down] = [sweeps.upward, sweeps.downward];
+        let top = if up.amplitude_m > down.amplitude_m {
+            up
+        } else {
+            down
+        };
+        let ratio = top.amplitude_m / peak.amplitude_m;
+        curves += 1;
+        higher += usize::from(ratio > HIGHER);
+        if ratio > farthest.0 {
+            farthest = (ratio, top.frequency_hz);
+        }
+    }
+    (higher > 0).then(|| {
+        format!(
+            "The peak is the highest maximum of the amplitude in the band. At {} {higher} of {} go above it elsewhere, by up to {} at {} Hz: at an              end of the band, which is to be wider then, or on a part of the branch whose maximum was not found.",
+            view.level_name(i),
+            count(curves, "curve"),
+            percent(farthest.0 - 1.0),
+            hertz(farthest.1),
+        )
+    })
 }
 
 /// How many samples serve the sensitivity indices alone, and how many of them have no solution; absent without such.

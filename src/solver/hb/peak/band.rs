@@ -1,7 +1,7 @@
 //! The highest maximum in a band, if no track leads to it: next to the resonances of the structure that slides without
 //! friction, or on the branch through the whole band.
 
-use super::search::{Located, PeakSettings, find_peak, higher, maximum_on};
+use super::search::{Located, PeakSettings, find_peak, higher, least_maximum_on, maximum_on};
 use crate::hb::branch::branch_point::distance;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::continuation::ContinuationEnd;
@@ -98,28 +98,34 @@ impl<'p> BandSweep<'_, 'p> {
     }
 
     /// The highest maximum that the upward sweep passes, or else the downward one. Two sweeps that stop within the band cover all of
-    /// it together if one of them stops at a solution that the other has reached.
+    /// it together if one of them stops at a solution that the other has reached. It is not known where a sweep passes a higher one that
+    /// could not be located.
     ///
     /// # Errors
     /// As of [`swept_maximum`].
     fn maximum(&self) -> Result<Located<'p>, Status> {
         let (balance, newton) = (self.balance(), self.newton);
         let upward = self.swept(SweepDirection::Upward);
-        let highest = match upward {
-            Ok(Swept { highest, end, .. }) if end.status == Status::Converged => highest,
+        let (highest, lost) = match upward {
+            Ok(swept) if swept.end.status == Status::Converged => (swept.highest, swept.lost),
             upward => {
                 let downward = self.swept(SweepDirection::Downward)?;
                 match (downward.end.status, upward) {
-                    (Status::Converged, _) => downward.highest,
+                    (Status::Converged, _) => (downward.highest, downward.lost),
                     (_, Ok(upward)) if upward.joins(&downward, balance, newton) => {
                         let both = [upward.highest, downward.highest].into_iter().flatten();
-                        both.reduce(|best, other| higher(balance, best, other))
+                        let highest = both.reduce(|best, other| higher(balance, best, other));
+                        (highest, upward.lost.max(downward.lost))
                     }
                     (status, _) => return Err(status),
                 }
             }
         };
-        highest.ok_or(Status::NoPeakInBand)
+        match highest {
+            Some(highest) if highest.iterate.response(balance).norm() >= lost => Ok(highest),
+            None if lost == 0.0 => Err(Status::NoPeakInBand),
+            _ => Err(Status::MaxIterations),
+        }
     }
 
     /// One sweep.
@@ -141,16 +147,20 @@ impl<'p> BandSweep<'_, 'p> {
         };
         let first = sweep.first()?;
         let mut passed = vec![first.point.clone()];
-        let mut maxima = Vec::new();
+        let (mut maxima, mut lost) = (Vec::new(), 0.0_f64);
         let end = sweep.followed(first, |from, to| {
             passed.push(to.iterate.point.clone());
             let segment = BranchSegment::new(&from, to);
-            maxima.extend(maximum_on(&segment, balance, peak, newton));
+            match maximum_on(&segment, balance, peak, newton) {
+                Some(found) => maxima.push(found),
+                None => lost = lost.max(least_maximum_on(&segment, peak.band).unwrap_or(0.0)),
+            }
             ControlFlow::Continue(())
         });
         let maxima = maxima.into_iter();
         Ok(Swept {
             highest: maxima.reduce(|best, other| higher(balance, best, other)),
+            lost,
             passed,
             end,
         })
@@ -160,6 +170,8 @@ impl<'p> BandSweep<'_, 'p> {
 /// What a sweep through the band has passed.
 struct Swept<'p> {
     highest: Option<Located<'p>>,
+    /// Amplitude that the highest of the maxima that could not be located has at least (m); 0 without such.
+    lost: f64,
     /// The solutions at the ends of its steps, one after the other.
     passed: Vec<Point>,
     end: ContinuationEnd<'p>,

@@ -6,6 +6,7 @@ pub mod attribution;
 mod band;
 pub mod blades;
 pub mod branch_maximum;
+mod corner;
 pub(crate) mod growth;
 pub mod level_peak;
 pub mod maxima;

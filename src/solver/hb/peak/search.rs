@@ -4,6 +4,7 @@
 //! curvature gives the first step, secants give the next ones, and the search ends when a bracket is narrow enough. Steps are
 //! along the branch, not along the frequency axis, so that overhanging peaks are no difficulty.
 
+use super::corner::maximum_between;
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::equations::balance::Balance;
@@ -70,6 +71,8 @@ const SHARPEST: f64 = 1e-13;
 const NEGLIGIBLE: f64 = 1e-10;
 /// Most points of one search.
 const MAX_POINTS: usize = 40;
+/// Points around a maximum after which it is taken for a corner of the branch.
+const MAX_SECANTS: usize = 12;
 /// Distances at which [`highest_nearby`] starts its searches (relative change of the displacements).
 const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
 /// Distances at which searches on both sides of a maximum start, on each side.
@@ -101,7 +104,7 @@ pub fn find_peak<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<Located<'p>, Status> {
-    let newton = NewtonSettings {
+    let exact = NewtonSettings {
         tolerance: newton
             .tolerance
             .min(sharp_enough(balance, &start.point, settings)),
@@ -124,7 +127,10 @@ pub fn find_peak<'p>(
         if bracket.is_maximum() && (step - from.s).abs() <= NEGLIGIBLE {
             return Ok(bracket.ended());
         }
-        let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton)?;
+        let (iterate, length) = match halving_step(balance, &from.point, step - from.s, exact) {
+            Err(_) if bracket.holds_maximum() => break,
+            stepped => stepped?,
+        };
         let point = BranchPoint::in_metric(balance, iterate, metric).following(&from.point.tangent);
         let omega = point.iterate.point.omega;
         if !settings.band.contains(omega) {
@@ -138,12 +144,27 @@ pub fn find_peak<'p>(
         if bracket.is_maximum() && (moved <= tolerance || bracket.bracket_width() <= tolerance) {
             return Ok(bracket.ended());
         }
+        if bracket.secants >= MAX_SECANTS {
+            break;
+        }
         step = bracket.next();
     }
-    if bracket.is_maximum() && bracket.bracket_width() <= 10.0 * settings.frequency_tolerance {
-        return Ok(bracket.ended());
+    match bracket.ends() {
+        Some(ends) => {
+            let tolerance = settings.frequency_tolerance;
+            Ok(maximum_between(balance, ends, tolerance, [exact, newton])?.into())
+        }
+        None => Err(Status::MaxIterations),
     }
-    Err(Status::MaxIterations)
+}
+
+/// Amplitude that a maximum on a segment of the branch has at least (m), if there surely is one: the amplitude grows at its start and
+/// falls at its end, and both are in the band.
+pub(crate) fn least_maximum_on(segment: &BranchSegment<'_, '_>, band: Band) -> Option<f64> {
+    let (from, to) = (segment.from, segment.to);
+    let turns = from.growth() > 0.0 && to.growth() <= 0.0;
+    let is_inside = [from, to].map(|end| band.contains(end.iterate.point.omega));
+    (turns && is_inside == [true; 2]).then(|| f64::max(from.response.norm(), to.response.norm()))
 }
 
 /// The maximum of the amplitude on a segment of the branch, if there is one and it can be located.
@@ -360,6 +381,8 @@ struct Bracket<'p> {
     newer: ArcPoint<'p>,
     /// Factor on the growth of the older end. It is halved each time that this end stays in the bracket (Illinois rule).
     weight: f64,
+    /// Points since both ends are around a maximum.
+    secants: usize,
 }
 
 impl<'p> Bracket<'p> {
@@ -368,6 +391,7 @@ impl<'p> Bracket<'p> {
             older: None,
             newer: first,
             weight: 1.0,
+            secants: 0,
         }
     }
 
@@ -379,6 +403,23 @@ impl<'p> Bracket<'p> {
     fn is_maximum(&self) -> bool {
         self.older.as_ref().is_some_and(|older| {
             (self.newer.point.growth() - older.point.growth()) * (self.newer.s - older.s) < 0.0
+        })
+    }
+
+    /// Whether a maximum lies between the two points.
+    fn holds_maximum(&self) -> bool {
+        self.bracketed() && self.is_maximum()
+    }
+
+    /// The two points around a maximum, in the order of the arclength.
+    fn ends(self) -> Option<[BranchPoint<'p>; 2]> {
+        if !self.holds_maximum() {
+            return None;
+        }
+        let (newer, older) = (self.newer, self.older?);
+        Some(match older.s < newer.s {
+            true => [older.point, newer.point],
+            false => [newer.point, older.point],
         })
     }
 
@@ -412,6 +453,7 @@ impl<'p> Bracket<'p> {
             self.weight = 1.0;
             self.older = Some(std::mem::replace(&mut self.newer, added));
         }
+        self.secants += usize::from(self.holds_maximum());
     }
 
     /// Arclength at which the growth vanishes by the secant. If the secant has no maximum: a limited step towards larger

@@ -9,14 +9,16 @@
 //! Where every contact sticks or is open over the whole period, its dynamic force is linear in the displacements. Then the harmonics
 //! above the first vanish, the branch has no folds, and its solutions are found at frequencies of choice on harmonics 0 and 1 alone.
 
-use super::curve_side::CurveSide;
 pub use super::curve_side::{CURVE_ERROR, CurvePoint};
+use super::curve_side::{CurveSide, is_linear};
+use crate::aft::AftSettings;
 use crate::harmonics::HarmonicSet;
 use crate::hb::branch::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
+use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::newton::{Iterate, Point};
 use crate::hb::settings::{HbSettings, NewtonSettings};
-use crate::hb::structure::resonance::Band;
+use crate::hb::structure::resonance::{Band, linear_resonances};
 
 /// The forced response through a peak.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -43,8 +45,6 @@ pub struct Sweeps {
     pub several: Option<[f64; 2]>,
 }
 
-/// Deviation of a dynamic contact force from that of a contact that sticks or is open, over the largest one, below which it is linear.
-const LINEAR_FORCE: f64 = 1e-6;
 /// Residual over the largest dynamic displacement at the peak. That is enough for a plot; the peak itself is solved to the
 /// study's tolerance.
 const TOLERANCE: f64 = 1e-4;
@@ -64,7 +64,7 @@ pub fn response_curve(
         ..settings.newton
     };
     let few = balance.on(HarmonicSet::up_to(1));
-    let linear = linear_sides([balance, &few], peak, band, newton);
+    let linear = linear_sides([balance, &few], peak, band, newton, settings.aft);
     let sides = linear.unwrap_or_else(|| {
         [SweepDirection::Downward, SweepDirection::Upward].map(|direction| {
             let mut side = CurveSide::outwards(balance, peak, direction, band, newton);
@@ -99,34 +99,26 @@ fn linear_sides<'b, 'p>(
     peak: &Point,
     band: Band,
     newton: NewtonSettings,
+    aft: AftSettings,
 ) -> Option<[CurveSide<'b, 'p>; 2]> {
     if !is_linear(balance, &Iterate::new(balance, peak.clone())) {
         return None;
     }
+    // between two solutions of the curve another mode may make contacts slip
+    let stiffness = stiffness_at_rest(balance.problem, aft, band.low);
+    let resonances = linear_resonances(balance.problem.model, &stiffness, band, 0.0).ok()?;
+    let resonances: Vec<f64> = resonances.iter().map(|resonance| resonance.omega).collect();
     let peak = peak.padded(balance, few);
     let side = |direction| {
         let mut side = CurveSide::linear(few, &peak, direction, band, newton)?;
         side.refine();
-        let all = side.points.iter().all(|p| is_linear(few, &p.iterate));
-        all.then_some(side)
+        let are_linear = side.points.iter().all(|p| is_linear(few, &p.iterate));
+        (are_linear && resonances.iter().all(|omega| side.is_linear_at(*omega))).then_some(side)
     };
     Some([
         side(SweepDirection::Downward)?,
         side(SweepDirection::Upward)?,
     ])
-}
-
-/// Whether every contact sticks or is open over the whole period, so that its dynamic force is linear in the displacements. Its mean
-/// force may still depend on the amplitude: a contact that has slipped on the way may stick afterwards.
-fn is_linear(balance: &Balance<'_>, iterate: &Iterate<'_>) -> bool {
-    let force = &iterate.contact.force;
-    let deviation = balance.deviation(&iterate.point.r, force);
-    let n = balance.layout.n_relative();
-    let largest = |x: &[f64]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let allowed = LINEAR_FORCE * largest(&force[n..]);
-    let of_row =
-        |x: &[f64], row: usize| (x[n..].iter().skip(row).step_by(n)).all(|x| x.abs() <= allowed);
-    iterate.contact.steady && (0..n).all(|row| of_row(&deviation, row) || of_row(force, row))
 }
 
 /// The points of `branch`, in the band, that a sweep along the branch, in this direction, meets. A jump adds the point on which it lands, at

@@ -43,6 +43,9 @@ const LINEAR_STEPS: [f64; 3] = [0.3, 4.0, 0.125];
 /// Range of the length of such a step over that of the step before.
 const LINEAR_GROWTH: [f64; 2] = [0.5, 2.0];
 
+/// Deviation of a dynamic contact force from that of a contact that sticks or is open, over the largest one, below which it is linear.
+const LINEAR_FORCE: f64 = 1e-6;
+
 /// The solutions on one side of the peak, in the order of the continuation.
 pub(super) struct CurveSide<'b, 'p> {
     balance: &'b Balance<'p>,
@@ -162,6 +165,17 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         Some(found.towards(from.tangent.omega))
     }
 
+    /// Whether contacts are linear at `omega` (rad/s), too, if this side passes it.
+    pub(super) fn is_linear_at(&self, omega: f64) -> bool {
+        let frequency = |i: usize| self.points[i].iterate.point.omega;
+        let passes = |i: &usize| (frequency(*i) - omega) * (frequency(i + 1) - omega) <= 0.0;
+        let Some(i) = (0..self.lengths.len()).find(passes) else {
+            return true;
+        };
+        let solved = self.at(i, omega);
+        solved.is_some_and(|solved| is_linear(self.balance, &solved.iterate))
+    }
+
     fn segment(&self, i: usize) -> CubicSegment {
         if self.linear {
             return CubicSegment::over_frequency(&self.points[i], &self.points[i + 1]);
@@ -248,4 +262,17 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         }
         points
     }
+}
+
+/// Whether every contact sticks or is open over the whole period, so that its dynamic force is linear in the displacements. Its mean
+/// force may still depend on the amplitude: a contact that has slipped on the way may stick afterwards.
+pub(super) fn is_linear(balance: &Balance<'_>, iterate: &Iterate<'_>) -> bool {
+    let force = &iterate.contact.force;
+    let deviation = balance.deviation(&iterate.point.r, force);
+    let n = balance.layout.n_relative();
+    let largest = |x: &[f64]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let allowed = LINEAR_FORCE * largest(&force[n..]);
+    let of_row =
+        |x: &[f64], row: usize| (x[n..].iter().skip(row).step_by(n)).all(|x| x.abs() <= allowed);
+    iterate.contact.steady && (0..n).all(|row| of_row(&deviation, row) || of_row(force, row))
 }

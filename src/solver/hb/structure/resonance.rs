@@ -217,8 +217,15 @@ pub fn candidates(
     };
     let residues = modes.iter().map(|&mode| stuck[mode].residue);
     let most = residues.fold(0.0, f64::max);
+    // where damping alone leads from the excitation to the response, no mode has a part of its own
+    let by_damping =
+        |mode: usize| linear_response(model, stuck_stiffness, stuck[mode].omega).norm();
+    let reach = |mode: usize| match most > 0.0 {
+        true => reach(mode),
+        false => by_damping(mode),
+    };
     let mut found: Vec<Candidate> = (modes.into_iter())
-        .filter(|&mode| stuck[mode].residue > EXCITED * most)
+        .filter(|&mode| most == 0.0 || stuck[mode].residue > EXCITED * most)
         .map(|mode| Candidate {
             mode,
             omega: stuck[mode].omega,
