@@ -1,4 +1,5 @@
 //! A setting that breaks a rule, or is unusual: which key, its value, the rule. The study file's reader adds file and line.
+//!
 //! ```
 //! # use microslip_base as microslip;
 //! use microslip::setting::positive;

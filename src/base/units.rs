@@ -1,4 +1,5 @@
 //! SI units only inside; the named conversions at the edges.
+//!
 //! ```
 //! # use microslip_base as microslip;
 //! use microslip::units::{mm_to_m, n_per_um_to_n_per_m, rad_s_to_hz};

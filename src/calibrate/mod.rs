@@ -4,6 +4,7 @@
 //! level ([`surrogate`]), whose error enters the likelihood ([`posterior`]). Markov chains draw from the posterior ([`chains`]);
 //! some of the draws are solved, and where the surrogate is worse there than it was taken for, they shape it, too ([`calibration`]).
 //! Start reading at [`calibrate()`].
+//!
 //! ```no_run
 //! use microslip::calibrate::{CalibrationSettings, calibrate};
 //! use microslip::study::{OutputFolder, Study};

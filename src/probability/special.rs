@@ -2,6 +2,7 @@
 //!
 //! They use sums, products, quotients, roots and the crate `libm` alone, none of the functions of the C library, whose last
 //! bits depend on the instruction set. [`beta_quantile`] always ends.
+//!
 //! ```
 //! # use microslip_probability as microslip;
 //! use microslip::special::{normal_cdf, normal_quantile};

@@ -26,6 +26,7 @@ mod long_runs;
 mod mistuned;
 mod modes;
 mod output_schemas;
+mod preloads;
 #[path = "../common/program.rs"]
 mod program;
 mod refused_output;

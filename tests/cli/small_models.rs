@@ -17,7 +17,12 @@ fn write_matrix(folder: &Path, name: &str, rows: &[&[f64]]) {
 }
 
 /// The study `rest` of a model with these masses of the degrees of freedom, and these matrices.
-fn model(masses: &[f64], stiffness: &[&[f64]], damping: &[&[f64]], rest: &str) -> TempDir {
+pub(crate) fn model(
+    masses: &[f64],
+    stiffness: &[&[f64]],
+    damping: &[&[f64]],
+    rest: &str,
+) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let row = |(i, mass): (usize, &f64)| -> Vec<f64> {
         let on_diagonal = |j: usize| if i == j { *mass } else { 0.0 };

@@ -1,5 +1,6 @@
 //! Files read within bounds and written as a whole: a device that never ends, a pipe that never answers, a damaged table
 //! and a text in another encoding are messages, not a full memory, a wait or a panic.
+//!
 //! ```
 //! # use microslip_base as microslip;
 //! use microslip::file::{Rows, read_text, replace};

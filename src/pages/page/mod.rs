@@ -3,6 +3,7 @@
 //! A module that has results describes its page in [`block`]s: sentences, tables, and figures, each a [`figure::Panel`] over two
 //! axes. [`mod@document`] makes the file of them; `look` holds the templates and the styles. Numbers become text in
 //! [`display`]. Knows no results: what is shown, and in which order, is said by the module that has them.
+//!
 //! ```
 //! # use microslip_pages as microslip;
 //! use microslip::page::block::{Block, Cell, Section, Table};

@@ -3,6 +3,7 @@
 //! Each format is a file of `format` that gives [`ImportedMatrix`]; [`model::assemble`] puts the matrices of all files together.
 //! Nothing is guessed: units are declared, and a matrix that nothing names must be named. Sizes that a file states are
 //! checked before memory is taken for them. Start reading at [`import()`].
+//!
 //! Two masses in mm, t, s, as a finite-element program writes them, become a study of matrices:
 //!
 //! ```

@@ -3,6 +3,7 @@
 //! Knows no estimate and no rig: `identify` reads what `rig` or a laboratory has written. Start reading at [`read_hysteresis`]:
 //! each format is a file of `format` that gives the signals of tests in SI units, and `checks` holds the rules of all formats.
 //! Sizes that a file states are checked before memory is taken for them.
+//!
 //! ```
 //! # use microslip_readers as microslip;
 //! use microslip::record::{HysteresisRecord, TestConditions, read_hysteresis, write_hysteresis};

@@ -3,6 +3,7 @@
 //! They serve the lanes of [`crate::lockstep`], which lead the processor to a peak and decide no result. Start reading at [`Gpu`]; the
 //! shaders are in `shaders/`. Whatever the device fails to do the processor does: no sample is lost by it. A build without the feature `gpu` has no device, and
 //! says so where one is asked for.
+//!
 //! ```
 //! # use microslip_solver as microslip;
 //! use microslip::gpu::{adapters, examined};

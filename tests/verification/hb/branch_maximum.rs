@@ -9,16 +9,16 @@ use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::resonance::Band;
 use std::f64::consts::TAU;
 
-const LEVEL: f64 = 2.0;
+const LEVELS: [f64; 3] = [1.0, 2.0, 3.0];
 const PERIODS: usize = 400;
 const STEPS: usize = 1000;
 
 type State = [f64; 4];
 
 /// Rates of displacements and velocities of [`open_contact`] under cos ωt of the level.
-fn rates([x, y, u, v]: State, phase: f64) -> State {
+fn rates([x, y, u, v]: State, level: f64, phase: f64) -> State {
     let normal = f64::max(0.0, 0.7 * (-0.4 * x - 0.7 * y) - 0.2);
-    let force = LEVEL * phase.cos();
+    let force = level * phase.cos();
     [
         u,
         v,
@@ -28,7 +28,7 @@ fn rates([x, y, u, v]: State, phase: f64) -> State {
 }
 
 /// Amplitude of the first harmonic of the first mass in the last of many periods from rest, by Runge and Kutta's method.
-fn amplitude_from_rest(omega: f64) -> f64 {
+fn amplitude_from_rest(level: f64, omega: f64) -> f64 {
     let (mut state, h) = ([0.0; 4], TAU / omega / STEPS as f64);
     let mut sums = [0.0; 2];
     for step in 0..PERIODS * STEPS {
@@ -40,10 +40,10 @@ fn amplitude_from_rest(omega: f64) -> f64 {
         let from = |slope: State, share: f64| -> State {
             std::array::from_fn(|i| state[i] + share * h * slope[i])
         };
-        let a = rates(state, phase(0.0));
-        let b = rates(from(a, 0.5), phase(0.5));
-        let c = rates(from(b, 0.5), phase(0.5));
-        let d = rates(from(c, 1.0), phase(1.0));
+        let a = rates(state, level, phase(0.0));
+        let b = rates(from(a, 0.5), level, phase(0.5));
+        let c = rates(from(b, 0.5), level, phase(0.5));
+        let d = rates(from(c, 1.0), level, phase(1.0));
         state =
             std::array::from_fn(|i| state[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
     }
@@ -63,12 +63,19 @@ fn the_peak_is_the_top_of_its_branch() {
     };
     with_problem(&open_contact(), |problem| {
         let settings = settings(9, FrictionLaw::Box);
-        let found = track_peaks(problem, &settings, search, &[LEVEL]).expect("modes");
-        let peak = found[0].solution.as_ref().expect("a peak");
-        let marched = amplitude_from_rest(peak.omega);
-        let amplitude = peak.amplitude(0);
-        println!("{amplitude} at {} rad/s, from rest {marched}", peak.omega);
-        assert_eq!(peak.route, Some(PeakRoute::OnBranch));
-        assert!((amplitude / marched - 1.0).abs() < 1e-3, "{marched}");
+        let found = track_peaks(problem, &settings, search, &LEVELS).expect("modes");
+        let mut routes = Vec::new();
+        for (level, found) in LEVELS.into_iter().zip(found) {
+            let peak = found.solution.expect("a peak");
+            let marched = amplitude_from_rest(level, peak.omega);
+            let (amplitude, omega) = (peak.amplitude(0), peak.omega);
+            println!(
+                "{amplitude} at {omega} rad/s, from rest {marched}, {:?}",
+                peak.route
+            );
+            assert!((amplitude / marched - 1.0).abs() < 1e-3, "{marched}");
+            routes.extend(peak.route);
+        }
+        assert!(routes.contains(&PeakRoute::OnBranch), "{routes:?}");
     });
 }

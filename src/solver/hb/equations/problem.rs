@@ -40,6 +40,9 @@ pub struct StuckStatic {
     pub relative: Vec<f64>,
     /// The same where the preloads n₀ act as well and push the surfaces apart (m). Shape: `[3·n_contacts]`.
     pub preloaded: Vec<f64>,
+    /// Sums of the sizes of the displacements by the load and by the preload of each pair, which may balance each other (m). Shape:
+    /// `[3·n_contacts]`.
+    pub balanced: Vec<f64>,
     /// G₀ (m/N). Shape: 3·n_contacts square.
     pub compliance: Mat<f64>,
     /// Largest relative displacement under the unit excitation applied statically (m).
@@ -138,18 +141,21 @@ impl<'m> Problem<'m> {
     /// with very large displacements would count as converged.
     #[must_use]
     pub(crate) fn displacement_scale(&self, level: f64) -> f64 {
-        largest(&self.stuck_static.preloaded) + level * self.stuck_static.excitation_scale
+        // what is left where preloads balance the load, or each other, is round-off
+        let left = largest(&self.stuck_static.preloaded);
+        let at_rest = left.max(ROUND_OFF * largest(&self.stuck_static.balanced));
+        at_rest + level * self.stuck_static.excitation_scale
     }
 
-    /// Smallest relative residual that round-off allows: the static load may be large where preloads balance it.
+    /// Smallest relative residual that round-off allows: static load and preloads may be large and balance each other.
     #[must_use]
     pub(crate) fn round_off(&self, level: f64) -> f64 {
-        ROUND_OFF * largest(&self.stuck_static.relative) / self.displacement_scale(level)
+        ROUND_OFF * largest(&self.stuck_static.balanced) / self.displacement_scale(level)
     }
 }
 
-/// Round-off of a residual, over the displacement by the static load.
-const ROUND_OFF: f64 = 1e-14;
+/// Round-off of a displacement or a residual, over the displacements that balance each other.
+pub(in crate::hb) const ROUND_OFF: f64 = 1e-14;
 
 fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, x| m.max(x.abs()))
@@ -189,8 +195,15 @@ impl StuckStatic {
             Some(pair) => contacts[pair].n_0.max(0.0), // an open gap transmits no force
             None => 0.0,
         });
-        let pushed = &compliance * preload;
+        let pushed = &compliance * &preload;
+        let pushed_by_each = |i: usize| -> f64 {
+            let pairs = 0..preload.nrows();
+            pairs.map(|j| (compliance[(i, j)] * preload[j]).abs()).sum()
+        };
         Ok(Self {
+            balanced: (relative.iter().enumerate())
+                .map(|(i, r)| r.abs() + pushed_by_each(i))
+                .collect(),
             preloaded: (relative.iter().zip(pushed.iter()))
                 .map(|(r, p)| r - p)
                 .collect(),

@@ -9,7 +9,7 @@ use crate::aft::AftSettings;
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::jacobian::EXACT;
-use crate::hb::equations::problem::Problem;
+use crate::hb::equations::problem::{Problem, ROUND_OFF};
 use crate::hb::status::Status;
 use crate::hb::structure::compliance::Compliance;
 use crate::linalg::vector::norm;
@@ -19,8 +19,6 @@ use faer::prelude::c64;
 const MOST_ITERATIONS: usize = 200;
 /// Last step over the largest displacement.
 const TOLERANCE: f64 = 1e-10;
-/// The same over the displacement by the load without preloads.
-const ROUND_OFF: f64 = 1e-14;
 /// Damping of the steps. A shortened step says little about the next one, so the factor recovers as after any other step.
 const DAMPING: Damping = Damping {
     smallest: 1e-3,
@@ -63,7 +61,7 @@ impl Rest {
         let level = 0.0;
         let mut iterate = Iterate::new(balance, Point { r, omega, level });
         // where preloads balance the load, nothing is displaced
-        let round_off = ROUND_OFF * norm(&balance.problem.stuck_static.relative);
+        let round_off = ROUND_OFF * norm(&balance.problem.stuck_static.balanced);
         let mut damping = 1.0;
         let effort = &balance.problem.effort;
         for _ in 0..MOST_ITERATIONS {
