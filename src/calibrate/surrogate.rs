@@ -3,7 +3,8 @@
 use super::observation::Quantity;
 use super::prior::{Coordinates, Prior};
 use crate::statistics::{
-    Chaos, ChaosSettings, HoldOutSettings, PredictionError, SurrogateSamples, cross_fit,
+    Chaos, ChaosRefusal, ChaosSettings, HoldOutSettings, PredictionError, SurrogateSamples,
+    cross_fit,
 };
 
 /// Points that were solved. Failed ones have no numbers.
@@ -111,7 +112,8 @@ fn fit(
     let failed = samples.iter().filter(|r| !r.is_finite()).count();
     if failed as f64 > MOST_FAILED * samples.len() as f64 {
         return Err(format!(
-            "{failed} of {} samples have no solution: must be at most {:.0} %, because a surrogate only guesses there",
+            "{failed} of {} samples have no solution: must be at most {:.0} %, because a surrogate only guesses there; `microslip run` of the study \
+             shows how they end",
             samples.len(),
             100.0 * MOST_FAILED
         ));
@@ -127,7 +129,12 @@ fn fit(
         seed,
     };
     let found = cross_fit(&samples, &hold_out, &ChaosSettings::default());
-    let found = found.map_err(|refusal| refusal.to_string())?;
+    let found = found.map_err(|refusal| match refusal {
+        ChaosRefusal::TooFew { valid, needed } => format!(
+            "{valid} solved samples are left where one of {PARTS} parts is held out, {needed} are needed: take more (--samples)"
+        ),
+        other => other.to_string(),
+    })?;
     let held_out = found.error();
     let local = found.held_out_errors().filter(|(i, _)| *i >= of_prior);
     let local: Vec<f64> = local.map(|(_, error)| error).collect();

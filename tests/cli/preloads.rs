@@ -1,4 +1,4 @@
-//! Preloads that balance each other: the structure at rest is displaced by round-off alone.
+//! Static loads next to round-off: preloads that balance each other, and a load that the last digit of a large displacement hides.
 
 use super::small_models::model;
 use super::{change, succeed};
@@ -59,4 +59,28 @@ fn preloads_that_balance_each_other_are_at_rest() {
     assert!((balanced.amplitude_m / pressed.amplitude_m - 1.0).abs() < 1e-6);
     assert!((balanced.frequency_hz / pressed.frequency_hz - 1.0).abs() < 1e-6);
     assert_eq!(balanced.stick_fraction, 1.0);
+}
+
+/// 60 N press the damper of the shipped study on both blades, so its contacts carry them in every sample. Seen to fail with the program before:
+/// samples 5 and 15 had the frequency of the free blade, 320.292 Hz, with all contacts open and a mean displacement of 9e10 m, whose last
+/// digit hides the load.
+#[test]
+fn no_solution_drops_the_static_load() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["study.toml", "mass.mtx", "stiffness.mtx"] {
+        let from = std::path::Path::new("studies/own-matrices").join(name);
+        std::fs::copy(from, folder.path().join(name)).unwrap();
+    }
+    change(folder.path(), "samples = 100", "samples = 16");
+    change(folder.path(), "curve_samples = 20", "curve_samples = 0");
+    let text = std::fs::read_to_string(folder.path().join("study.toml")).unwrap();
+    let text = text + "\n[design]\nkind = \"sobol\"\n";
+    std::fs::write(folder.path().join("study.toml"), text).unwrap();
+    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
+    let found = read_samples(&folder.path().join("results/samples.parquet")).unwrap();
+    assert_eq!(found.outcomes.len(), 16);
+    for outcome in &found.outcomes {
+        let peak = outcome.levels[1].peak.expect("a peak");
+        assert!(peak.separated_fraction < 1.0, "{}: {peak:?}", outcome.index);
+    }
 }

@@ -30,6 +30,9 @@ pub struct Iterate<'p> {
 const FORCING: f64 = 0.1;
 /// Largest tolerance of the linear solve of a Newton step.
 const LOOSEST: f64 = 1e-3;
+/// Round-off of the mean displacements over the scale of the problem from which on it counts as a residual: parts that only contacts hold may
+/// be so far from them that the load on them is below the last digit of their place.
+const HIDDEN: f64 = 1e-10;
 
 impl<'p> Iterate<'p> {
     /// Evaluates the balance equations at `point`.
@@ -56,15 +59,17 @@ impl<'p> Iterate<'p> {
         }
     }
 
-    /// Largest component of the residual over the displacement scale of the problem, which does not depend on the point.
+    /// Largest component of the residual over the displacement scale of the problem, which does not depend on the point; round-off of the
+    /// mean displacements over this scale, where the static load may disappear in it.
     #[must_use]
     pub fn relative_residual(&self, balance: &Balance<'_>) -> f64 {
         let scale = balance.problem.displacement_scale(self.point.level);
-        let largest = self.residual.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        if self.residual.iter().all(|r| r.is_finite()) {
-            largest / scale
-        } else {
-            f64::NAN
+        let size = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max) / scale;
+        let hidden = f64::EPSILON * size(&self.point.r[..balance.layout.n_relative()]);
+        match self.residual.iter().all(|r| r.is_finite()) {
+            true if hidden > HIDDEN => size(&self.residual).max(hidden),
+            true => size(&self.residual),
+            false => f64::NAN,
         }
     }
 
