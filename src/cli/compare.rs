@@ -136,7 +136,7 @@ fn show_ranking(
     let holds = match least < most {
         false => format!("in {least:.1} % of the resamples"),
         true => format!(
-            "in {least:.1} % to {most:.1} % of the resamples, by how ties and samples that failed are decided"
+            "in {least:.1} % to {most:.1} % of the resamples, by the errors of the results and what unknown samples would have given"
         ),
     };
     writeln!(

@@ -230,8 +230,8 @@ fn rankings(view: &View) -> Section {
     }
     let hint = "The order is that of the quantile that 95 % of the assumed prior keeps, on the samples that every design solved. \
                 The last two columns draw the common samples anew, 1000 times, and count how often the whole order comes \
-                out again, and how often its first design is the best. A range, where designs tie or samples failed: the lower end \
-                if all of these were decided against it, the upper end if all for it.";
+                out again, and how often its first design is the best. A range, where quantiles lie within their numerical errors or samples are \
+                unknown: the lower end if all of these were decided against it, the upper end if all for it.";
     Section {
         id: "ranking",
         title: "Ranking".to_owned(),
@@ -272,7 +272,7 @@ fn pairs(view: &View) -> Section {
     let hint = "Median of the paired differences with its distribution-free 95 % confidence interval; shares of the samples \
                 in which one design is better with their Clopper and Pearson interval. Values that differ by no more than their stated \
                 numerical errors together, or by 1e-6, are ties and count for neither; a pair of \
-                which one failed is unknown and widens every interval.";
+                which one failed or is not to be trusted is unknown and widens every interval.";
     let tables = Compared::ALL
         .into_iter()
         .filter_map(|quantity| pair_table(view, quantity));
