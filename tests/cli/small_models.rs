@@ -1,6 +1,7 @@
 //! Random small models on which an earlier program went wrong, with rounded numbers.
 
 use super::{change, microslip, succeed};
+use microslip::ensemble::outcome::LevelOutcome;
 use microslip::ensemble::store::read_samples;
 use serde_json::Value;
 use std::path::Path;
@@ -44,6 +45,14 @@ damping = \"damping.mtx\"
 ";
     std::fs::write(folder.path().join("study.toml"), format!("{head}{rest}")).unwrap();
     folder
+}
+
+/// The levels of the only sample of a run.
+pub(crate) fn levels_of_run(folder: &Path) -> Box<[LevelOutcome]> {
+    succeed(folder, &["run", "study.toml", "--quiet"]);
+    let found = read_samples(&folder.join("results/samples.parquet")).unwrap();
+    let [outcome] = <[_; 1]>::try_from(found.outcomes).unwrap();
+    outcome.levels
 }
 
 /// What `solve` says of its only level.
@@ -233,9 +242,8 @@ fn a_named_mode_does_not_get_the_maximum_of_another() {
     let masses = [1.0, 0.9365, 0.0378, 0.0378];
     let folder = model(&masses, &stiffness, &damping, TWO_MODES);
     change(folder.path(), "levels = [0.1]", "levels = [0.02, 0.08]");
-    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
-    let found = read_samples(&folder.path().join("results/samples.parquet")).unwrap();
-    let [low, high] = [0, 1].map(|level| found.outcomes[0].levels[level].peak);
+    let levels = levels_of_run(folder.path());
+    let [low, high] = [0, 1].map(|level| levels[level].peak);
     let is_second = |frequency: f64| (0.33..0.345).contains(&frequency);
     assert!(is_second(low.expect("tracked").frequency_hz));
     if let Some(peak) = high {
@@ -337,10 +345,8 @@ fn a_maximum_at_a_corner_is_the_peak() {
     let damping: [&[f64]; 2] = [&[0.154, -0.045], &[-0.045, 0.0905]];
     let folder = model(&[1.55, 1.35], &stiffness, &damping, KINKED);
     change(folder.path(), "levels = [0.1]", "levels = [0.2, 0.25, 0.3]");
-    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
-    let found = read_samples(&folder.path().join("results/samples.parquet")).unwrap();
     let marched = [0.25908, 0.28148, 0.30173];
-    for (level, marched) in found.outcomes[0].levels.iter().zip(marched) {
+    for (level, marched) in levels_of_run(folder.path()).iter().zip(marched) {
         let peak = level.peak.expect("a peak");
         println!("{peak:?}");
         assert!((peak.amplitude_m / marched - 1.0).abs() < 3e-3, "{peak:?}");
@@ -377,12 +383,9 @@ fn a_corner_that_is_hard_to_solve_is_the_peak() {
     let folder = model(&[1.29, 1.52], &stiffness, &damping, STICKS_AT_THE_OTHER);
     let levels = "levels = [0.356, 0.364, 0.38, 0.384, 0.424, 0.432]";
     change(folder.path(), "levels = [0.1]", levels);
-    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
-    let found = read_samples(&folder.path().join("results/samples.parquet")).unwrap();
-    let peaks = found.outcomes[0].levels.iter().map(|level| level.peak);
-    let amplitudes: Vec<f64> = peaks
-        .map(|peak| peak.expect("a peak").amplitude_m)
-        .collect();
+    let levels = levels_of_run(folder.path());
+    let peaks = levels.iter().map(|level| level.peak.expect("a peak"));
+    let amplitudes: Vec<f64> = peaks.map(|peak| peak.amplitude_m).collect();
     println!("{amplitudes:?}");
     assert!(amplitudes.windows(2).all(|pair| pair[0] < pair[1]));
     let ends = [amplitudes[0] / 0.058_88, amplitudes[5] / 0.060_08];
@@ -428,9 +431,7 @@ fn a_curve_of_sticking_contacts_ends_where_another_mode_makes_them_slip() {
     let masses = [0.526, 0.761, 1.936];
     let folder = model(&masses, &stiffness, &damping, TWO_MODES_OF_ONE_SLIDER);
     change(folder.path(), "levels = [0.1]", "levels = [0.08]");
-    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
-    let found = read_samples(&folder.path().join("results/samples.parquet")).unwrap();
-    let level = &found.outcomes[0].levels[0];
+    let level = &levels_of_run(folder.path())[0];
     let peak = level.peak.expect("a peak").amplitude_m;
     let sweeps = level.around.sweeps().expect("a curve through the band");
     for amplitude in [sweeps.upward.amplitude_m, sweeps.downward.amplitude_m] {
@@ -460,9 +461,7 @@ fn a_response_that_only_damping_moves_has_its_peak() {
     let stiffness: [&[f64]; 2] = [&[2.0, 0.0], &[0.0, 2.5]];
     let damping: [&[f64]; 2] = [&[0.04, -0.02], &[-0.02, 0.05]];
     let folder = model(&[1.0, 1.0], &stiffness, &damping, BY_DAMPING);
-    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
-    let found = read_samples(&folder.path().join("results/samples.parquet")).unwrap();
-    let peak = found.outcomes[0].levels[0].peak.expect("a peak");
+    let peak = levels_of_run(folder.path())[0].peak.expect("a peak");
     assert!(
         (peak.amplitude_m / 0.033_347 - 1.0).abs() < 1e-3,
         "{peak:?}"

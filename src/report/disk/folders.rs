@@ -18,12 +18,15 @@ pub fn order_faults(folder: &Path, orders: &[PathBuf]) -> Result<Vec<String>, Fi
         return Ok(faults);
     }
     let json: Value = serde_json::from_str(&read_text(&numbers)?).unwrap_or_default();
-    let Some(listed) = json["orders"].as_array() else {
+    let order = |order: &Value| u32::try_from(order["engine_order"].as_u64()?).ok();
+    let listed = json["orders"].as_array();
+    let listed = listed.and_then(|all| all.iter().map(order).collect::<Option<Vec<u32>>>());
+    let Some(listed) = listed else {
         faults.push(format!("{DISK_NUMBERS} is not what `disk` writes"));
         return Ok(faults);
     };
-    for order in listed.iter().map(|order| &order["engine_order"]) {
-        let name = format!("order-{order}");
+    for order in listed {
+        let name = order_folder(order);
         if !folder.join(&name).is_dir() {
             faults.push(format!(
                 "{name} does not exist: {DISK_NUMBERS} has engine order {order}"
