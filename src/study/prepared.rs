@@ -11,7 +11,9 @@ use crate::ensemble::{Ensemble, MistunedDisk, Strips};
 use crate::hb::equations::problem::stuck_stiffness;
 use crate::hb::peak::maxima::PeakChoice;
 use crate::hb::peak::search::PeakSettings;
-use crate::hb::structure::resonance::{Band, Candidate, candidates, natural_frequencies};
+use crate::hb::structure::resonance::{
+    Band, Candidate, candidates, natural_frequencies, undamped_frequencies,
+};
 use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor};
 use crate::linalg::LinalgError;
 use crate::model::ReducedModel;
@@ -184,6 +186,23 @@ impl Study {
 }
 
 impl Study {
+    /// What a user should know of the modes without contact in the band, if any has no damping.
+    pub(super) fn without_damping(&self, linear: &LinearModel) -> Option<String> {
+        let [low, high] = self.frequency.band;
+        let unit = self.frequency.unit;
+        let found = undamped_frequencies(linear, Band { low, high });
+        let found: Vec<String> = (found.into_iter())
+            .map(|omega| format!("{:.5}", unit.of_rad_s(omega)))
+            .collect();
+        (!found.is_empty()).then(|| {
+            format!(
+                "the structure without contacts has no damping at its natural frequencies {} {}: where contacts slip or open, nothing bounds the peak",
+                found.join(", "),
+                unit.name()
+            )
+        })
+    }
+
     /// Requires a static equilibrium without friction where the sliders start from it: a sample without one could only fail.
     fn check_rest(
         &self,

@@ -185,7 +185,9 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
 
 fn inspect_one(study: &Study) -> Result<Inspection, Error> {
     let built = study.build_model()?;
-    let n_contacts = study.linear(&built)?.n_contacts();
+    let solved = study.linear(&built)?;
+    let undamped = study.without_damping(&solved);
+    let n_contacts = solved.n_contacts();
     let whole = n_contacts == built.reduced.n_contacts();
     let asymmetric = whole && study.folds() && built.reduced.mirror.is_some();
     let components = built.components();
@@ -209,7 +211,10 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, linear.free.first().copied(), asymmetric),
+        warnings: warnings(study, linear.free.first().copied(), asymmetric)
+            .into_iter()
+            .chain(undamped)
+            .collect(),
         total_mass: match &rig {
             Some(rig) => Some(rig.total_mass()),
             None if excited.is_some() && !components.is_empty() => Some(mass_of(&components)),

@@ -142,7 +142,9 @@ pub(super) fn run_after(
             unfolded: study.unfolded(),
             taken_over,
             profile: profiler.read(),
-            notes: [&session.notes[..], &resumed.notes].concat(),
+            notes: (session.notes.iter().chain(&resumed.notes).cloned())
+                .chain(study.without_damping(&session.prepared.linear))
+                .collect(),
         })
     })
 }

@@ -17,6 +17,6 @@ pub struct RunResult {
     pub taken_over: u64,
     /// Where the time of this process went.
     pub profile: Profile,
-    /// What a user should know of the taking over, one line each.
+    /// What a user should know of the taking over and of the model, one line each.
     pub notes: Vec<String>,
 }

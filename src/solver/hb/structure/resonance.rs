@@ -247,6 +247,21 @@ pub fn natural_frequencies(model: &LinearModel, k: &[f64]) -> Result<Vec<f64>, L
     Ok(modes.iter().map(|mode| mode.omega).collect())
 }
 
+/// Damping ratio below which a mode counts as undamped when a user is told of it: no structure has as little.
+const WITHOUT_DAMPING: f64 = 1e-6;
+
+/// Natural frequencies (rad/s) inside `band` of the modes of the free structure that are excited and have no damping: once contacts slip or
+/// open, nothing bounds their amplitude.
+#[must_use]
+pub fn undamped_frequencies(model: &LinearModel, band: Band) -> Vec<f64> {
+    let modes = LinearMode::free(model.part(1));
+    let undamped = |mode: &LinearMode| mode.half_bandwidth < WITHOUT_DAMPING * mode.omega;
+    (excited(&modes).map(|mode| &modes[mode]))
+        .filter(|mode| band.contains(mode.omega) && undamped(mode))
+        .map(|mode| mode.omega)
+        .collect()
+}
+
 /// Those of the `modes` that the excitation moves and the response shows, by their numbers.
 pub(in crate::hb) fn excited(modes: &[LinearMode]) -> impl Iterator<Item = usize> + Clone {
     let most = modes.iter().map(|mode| mode.residue).fold(0.0, f64::max);
