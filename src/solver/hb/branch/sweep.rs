@@ -95,15 +95,20 @@ pub struct SweepSettings {
     pub largest_advance: f64,
 }
 
+/// Shortest step along a branch.
+pub(in crate::hb) fn smallest_step(events: Events) -> f64 {
+    match events {
+        Events::Located => SMALLEST,
+        // shorter steps would follow the raggedness that the time points make
+        Events::Sampled | Events::Interpolated => SMALLEST_RAGGED,
+    }
+}
+
 impl SweepSettings {
     fn steps(self, events: Events) -> StepSettings {
         let width = self.band.width();
         StepSettings {
-            smallest: match events {
-                Events::Located => SMALLEST,
-                // shorter steps would follow the raggedness that the time points make
-                Events::Sampled | Events::Interpolated => SMALLEST_RAGGED,
-            },
+            smallest: smallest_step(events),
             first: self.largest_step.min(0.05),
             largest: self.largest_step,
             omega_scale: width * self.largest_advance / self.largest_step,

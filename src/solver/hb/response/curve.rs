@@ -40,8 +40,8 @@ pub struct Sweeps {
     pub upward: CurvePoint,
     /// The largest amplitude of the sweep from high to low frequencies.
     pub downward: CurvePoint,
-    /// Lowest and highest frequency (rad/s) between which there are several solutions: the sweeps jump at these ends. Absent where
-    /// every frequency of the band has one.
+    /// Lowest and highest frequency (rad/s) between which there are several solutions: the sweeps jump at these ends. The widest such range;
+    /// absent where every frequency of the band has one solution.
     pub several: Option<[f64; 2]>,
 }
 
@@ -104,16 +104,18 @@ fn linear_sides<'b, 'p>(
     if !is_linear(balance, &Iterate::new(balance, peak.clone())) {
         return None;
     }
-    // between two solutions of the curve another mode may make contacts slip
+    // other modes may make contacts slip, and are narrow
     let stiffness = stiffness_at_rest(balance.problem, aft, band.low);
     let resonances = linear_resonances(balance.problem.model, &stiffness, band, 0.0).ok()?;
-    let resonances: Vec<f64> = resonances.iter().map(|resonance| resonance.omega).collect();
     let peak = peak.padded(balance, few);
     let side = |direction| {
         let mut side = CurveSide::linear(few, &peak, direction, band, newton)?;
+        for resonance in &resonances {
+            side.add(resonance)?;
+        }
         side.refine();
         let are_linear = side.points.iter().all(|p| is_linear(few, &p.iterate));
-        (are_linear && resonances.iter().all(|omega| side.is_linear_at(*omega))).then_some(side)
+        are_linear.then_some(side)
     };
     Some([
         side(SweepDirection::Downward)?,
@@ -169,15 +171,20 @@ fn sweeps(branch: &[CurvePoint], band: Band, resolution: f64) -> Option<Sweeps> 
             .max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
     };
     let mut front = first;
-    let mut several: Option<[f64; 2]> = None;
+    let mut several: Vec<[f64; 2]> = Vec::new();
     for omega in branch.iter().map(|point| point.omega) {
         front = front.max(omega);
         let [back, ahead] = [omega.max(band.low), front.min(band.high)];
-        if ahead - back > resolution {
-            let [low, high] = several.unwrap_or([back, ahead]);
-            several = Some([low.min(back), high.max(ahead)]);
+        if ahead - back <= resolution {
+            continue;
+        }
+        match several.last_mut().filter(|[_, end]| back <= *end) {
+            Some([low, high]) => [*low, *high] = [low.min(back), high.max(ahead)],
+            None => several.push([back, ahead]),
         }
     }
+    let width = |[low, high]: &[f64; 2]| high - low;
+    let several = (several.into_iter()).max_by(|a, b| width(a).total_cmp(&width(b)));
     Some(Sweeps {
         upward: highest(met(branch.iter().copied(), SweepDirection::Upward, band))?,
         downward: highest(met(
@@ -210,8 +217,8 @@ mod tests {
     };
 
     /// A curve that leans to low frequencies: upwards the response jumps at 6 past the top at 4, downwards it meets the top and jumps at 3.
-    /// Seen to fail with both sweeps in the direction of the branch, with the ends of the range exchanged, and without the point on which a
-    /// jump lands.
+    /// Seen to fail with both sweeps in the direction of the branch, with the ends of the range exchanged, without the point on which a
+    /// jump lands, and with one range from the first fold to the last one.
     #[test]
     fn sweeps_jump_at_folds() {
         let leaning = branch(&[
@@ -236,6 +243,17 @@ mod tests {
             several: Some([3.0, 6.0]),
         };
         assert_eq!(found, expected);
+        // of two ranges the wider one, without what lies between them
+        let twice = branch(&[
+            [0.5, 1.0],
+            [2.0, 2.0],
+            [1.5, 3.0],
+            [6.0, 4.0],
+            [4.0, 7.0],
+            [9.5, 1.0],
+        ]);
+        let found = sweeps(&twice, BAND, 0.1).expect("a branch through the band");
+        assert_eq!(found.several, Some([4.0, 6.0]));
         // a step back that the curve does not resolve is no fold, and the top is met from both sides
         let upright = branch(&[[0.5, 1.0], [4.0, 7.0], [3.95, 8.0], [4.0, 7.0], [9.5, 1.0]]);
         let found = sweeps(&upright, BAND, 0.1).expect("a branch through the band");

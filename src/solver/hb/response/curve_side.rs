@@ -4,13 +4,13 @@ use super::cubic_segment::{ComplexScales, CubicSegment};
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::branch_segment::CLOSE;
 use crate::hb::branch::continuation::{StepSettings, continue_branch};
-use crate::hb::branch::sweep::SweepDirection;
+use crate::hb::branch::sweep::{SweepDirection, smallest_step};
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::{HbSettings, NewtonSettings};
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
-use crate::hb::structure::resonance::Band;
+use crate::hb::structure::resonance::{Band, LinearResonance};
 use std::ops::ControlFlow;
 
 /// A point of the curve.
@@ -31,17 +31,21 @@ pub const CURVE_ERROR: f64 = 3e-3;
 /// First, shortest and largest relative change of the displacements per step. Shorter steps would resolve the kinks where
 /// pairs begin to slip or lift off; the rounds of halving do that at less cost.
 const STEPS: [f64; 3] = [0.4, 0.1, 2.0];
-/// Most steps of the continuation per side.
-const MOST_STEPS: usize = 60;
+/// Most steps of the continuation per side. Gaps that close make many folds: of random models with lift-off a side took up to 78.
+const MOST_STEPS: usize = 400;
 /// Rounds in which solutions are added between those of the continuation.
 const MOST_ROUNDS: usize = 4;
+/// The same where contacts are linear and a solution takes little: a mode may be a hundred times as narrow as the steps.
+const LINEAR_ROUNDS: usize = 10;
 /// Estimated error that the step control aims at, and estimated error above which solutions are added. Kinks make the
 /// estimate too low, by a factor of two at most where it was checked.
 const ESTIMATES: [f64; 2] = [0.1 * CURVE_ERROR, CURVE_ERROR / 3.0];
-/// Where contacts are linear: first and longest step over the half-width of the peak, and longest step over the band.
-const LINEAR_STEPS: [f64; 3] = [0.3, 4.0, 0.125];
+/// Where contacts are linear: first step over the half-width of the peak, and longest step over the band.
+const LINEAR_STEPS: [f64; 2] = [0.3, 0.125];
 /// Range of the length of such a step over that of the step before.
 const LINEAR_GROWTH: [f64; 2] = [0.5, 2.0];
+/// Distance, in half-widths of a mode, from a solution at which another one tells nothing new of the mode: its amplitude has changed by 0.5 %.
+const NEXT_TO: f64 = 0.1;
 
 /// Deviation of a dynamic contact force from that of a contact that sticks or is open, over the largest one, below which it is linear.
 const LINEAR_FORCE: f64 = 1e-6;
@@ -73,6 +77,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
             largest: STEPS[2],
             max_steps: MOST_STEPS,
             closeness: CLOSE,
+            smallest: smallest_step(balance.events()),
             ..StepSettings::for_band(band.width())
         };
         let omega_scale = steps.omega_scale;
@@ -130,10 +135,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
             lengths: Vec::new(),
             linear: true,
         };
-        let longest = f64::min(
-            LINEAR_STEPS[1] * scales.width,
-            LINEAR_STEPS[2] * band.width(),
-        );
+        let longest = LINEAR_STEPS[1] * band.width();
         let mut step = f64::min(LINEAR_STEPS[0] * scales.width, longest);
         for i in 0..MOST_STEPS {
             let omega = side.points[i].iterate.point.omega;
@@ -165,15 +167,27 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         Some(found.towards(from.tangent.omega))
     }
 
-    /// Whether contacts are linear at `omega` (rad/s), too, if this side passes it.
-    pub(super) fn is_linear_at(&self, omega: f64) -> bool {
-        let frequency = |i: usize| self.points[i].iterate.point.omega;
-        let passes = |i: &usize| (frequency(*i) - omega) * (frequency(i + 1) - omega) <= 0.0;
-        let Some(i) = (0..self.lengths.len()).find(passes) else {
-            return true;
-        };
-        let solved = self.at(i, omega);
-        solved.is_some_and(|solved| is_linear(self.balance, &solved.iterate))
+    /// Adds the solutions at a resonance of the stuck structure and at its half-widths, if this side passes them and has none next to them:
+    /// solutions far from a narrow resonance do not tell of it.
+    ///
+    /// Returns `None` if one is not found.
+    pub(super) fn add(&mut self, resonance: &LinearResonance) -> Option<()> {
+        for half_widths in [-1.0, 0.0, 1.0] {
+            let omega = resonance.omega + half_widths * resonance.half_bandwidth;
+            let away = |i: usize| self.points[i].iterate.point.omega - omega;
+            let passes = |i: &usize| away(*i) * away(i + 1) <= 0.0;
+            let Some(i) = (0..self.lengths.len()).find(passes) else {
+                continue;
+            };
+            let apart = f64::min(away(i).abs(), away(i + 1).abs());
+            if apart <= NEXT_TO * resonance.half_bandwidth {
+                continue;
+            }
+            let found = self.at(i, omega)?;
+            self.points.insert(i + 1, found);
+            self.lengths.push(1.0);
+        }
+        Some(())
     }
 
     fn segment(&self, i: usize) -> CubicSegment {
@@ -197,7 +211,11 @@ impl<'b, 'p> CurveSide<'b, 'p> {
 
     /// Adds a solution in the middle of every segment that is not exact enough.
     pub(super) fn refine(&mut self) {
-        for _ in 0..MOST_ROUNDS {
+        let rounds = match self.linear {
+            true => LINEAR_ROUNDS,
+            false => MOST_ROUNDS,
+        };
+        for _ in 0..rounds {
             let coarse: Vec<usize> = (0..self.lengths.len())
                 .filter(|&i| self.error(i) > ESTIMATES[1])
                 .collect();
