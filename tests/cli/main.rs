@@ -24,6 +24,7 @@ mod inspect;
 mod log;
 mod long_runs;
 mod mistuned;
+mod mistuned_ring;
 mod modes;
 mod output_schemas;
 mod preloads;

@@ -1,7 +1,7 @@
 //! A disk whose blades differ from sample to sample.
 
 use crate::hb::ProblemError;
-use crate::hb::structure::mistuned::MistunedRing;
+use crate::hb::structure::mistuned::{MistunedRing, highest_combined};
 use crate::model::disk::Disk;
 
 /// A disk whose blades differ from sample to sample.
@@ -18,6 +18,7 @@ impl MistunedDisk {
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
     pub fn new(disk: Disk, engine_order: usize, highest: f64) -> Result<Self, ProblemError> {
+        let highest = highest_combined(&disk, highest);
         Ok(Self {
             ring: MistunedRing::new(&disk, engine_order, highest)?,
             disk,

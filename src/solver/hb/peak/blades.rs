@@ -9,6 +9,7 @@ use super::level_peak::LevelPeak;
 use super::predicted::raised;
 use super::refine::refined_maximum;
 use super::search::{PeakSettings, find_peak};
+use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings};
 use crate::hb::branch::sweep_start::Sweep;
 use crate::hb::equations::effort::Meter;
@@ -143,11 +144,18 @@ fn swept(
             .map(|y| y.norm())
             .collect(),
     };
+    let [_, far_end] = direction.ends(peak.band);
     let end = sweep.followed(first, |from, to| {
         if seen.is_empty() {
             seen.push(see(&from.iterate));
         }
-        seen.push(see(&to.iterate));
+        // amplitudes beyond the band are not those of the disk in the band
+        let beyond = direction.sign() * (to.iterate.point.omega - far_end) > 0.0;
+        let clipped = match beyond {
+            true => BranchSegment::new(&from, to).clipped(balance, far_end, newton),
+            false => None,
+        };
+        seen.push(see(&clipped.as_ref().unwrap_or(to).iterate));
         ControlFlow::Continue(())
     });
     match end.status {

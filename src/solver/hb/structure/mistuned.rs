@@ -8,9 +8,9 @@
 //! ```
 //!
 //! where Φⱼ are the displacements of sector j: the blade takes part in a mode of the disk by its own modes, held where it meets the
-//! disk. Where sectors are coupled, only a subset of the nominal modes may combine, those with frequencies up to [`NOMINAL`] times the
-//! highest one of interest; the others stay those of the tuned disk, and keep its compliance at the contacts. Where only contacts couple
-//! sectors nothing is left out. Contacts stay as they are, one set of unknowns for every gap.
+//! disk. Where sectors are coupled and the ring has more than [`MOST_COMBINED`] modes, only a subset of the nominal modes may combine, those
+//! with frequencies up to [`NOMINAL`] times the highest one of interest; the others stay those of the tuned disk, and keep its compliance
+//! at the contacts. Else nothing is left out. Contacts stay as they are, one set of unknowns for every gap.
 //!
 //! Sources: Yang & Griffin 2001 (subset of nominal modes), Lim, Bladh, Castanier & Pierre 2007 (component mode mistuning).
 
@@ -24,6 +24,8 @@ use faer::prelude::*;
 
 /// Highest frequency of the nominal modes that mistuning may combine, over the highest one of interest.
 pub const NOMINAL: f64 = 2.0;
+/// Most modes of a ring all of which may combine.
+pub const MOST_COMBINED: usize = 400;
 /// A mode whose stiffness is the blade's by less than this share of the largest one does not combine.
 const TAKES_PART: f64 = 1e-14;
 
@@ -263,7 +265,7 @@ fn ascending(part: ModalPart, damping: &Mat<f64>) -> ModalPart {
     }
 }
 
-/// A mistuned disk without contacts, or with springs in their place: linear, in its nominal modes up to [`NOMINAL`] times the end of a band.
+/// A mistuned disk without contacts, or with springs in their place: linear, in its nominal modes.
 #[derive(Debug, Clone)]
 pub struct LinearRing {
     lambda: Vec<f64>,
@@ -296,6 +298,15 @@ const AT_END: f64 = 1e-3;
 /// Sections of the golden ratio of one refinement: the amplitude at a maximum is then exact to about 1e-12.
 const SECTIONS: usize = 40;
 
+/// `highest` (rad/s), or infinity where the disk has so few modes that all may combine.
+#[must_use]
+pub fn highest_combined(disk: &Disk, highest: f64) -> f64 {
+    match disk.n_dofs() * disk.n_sectors <= MOST_COMBINED {
+        true => f64::INFINITY,
+        false => highest,
+    }
+}
+
 impl LinearRing {
     /// All sectors of `disk` under an engine order, whose largest amplitude in `band` is wanted. Contacts of the disk are left out.
     ///
@@ -303,7 +314,8 @@ impl LinearRing {
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
     pub fn new(disk: &Disk, engine_order: usize, band: Band) -> Result<Self, ProblemError> {
         let ring = RingModes::new(disk)?;
-        let modes = ring.coordinates([f64::NEG_INFINITY, (NOMINAL * band.high).powi(2)]);
+        let highest = highest_combined(disk, band.high);
+        let modes = ring.coordinates([f64::NEG_INFINITY, (NOMINAL * highest).powi(2)]);
         let blades = disk.blade_stiffness.iter().flat_map(|stiffness| {
             (0..disk.n_sectors).map(|blade| ring.of_sector(&modes, blade, stiffness))
         });
@@ -335,16 +347,11 @@ impl LinearRing {
                 stiffness += of_blade * Scale(deviation * (2.0 + deviation));
             }
         }
-        let (lambda, shapes) = symmetric_eigen(stiffness.as_ref())?;
-        let damped = &self.damping * &shapes;
+        let modes = MistunedModes::new(self, &stiffness)?;
         // each with the half-power half-width of its mode
         let mut places: Vec<(f64, f64)> = Vec::new();
-        for (mode, lambda) in lambda.iter().enumerate() {
-            let omega = lambda.max(0.0).sqrt();
-            let diagonal = (0..n)
-                .map(|i| shapes[(i, mode)] * damped[(i, mode)])
-                .sum::<f64>();
-            let half = 0.5 * diagonal;
+        for (mode, lambda) in modes.lambda.iter().enumerate() {
+            let (omega, half) = (lambda.max(0.0).sqrt(), 0.5 * modes.damping[(mode, mode)]);
             let inside = PLACES.iter().map(|at| (omega + at * half, half));
             places.extend(inside.filter(|(omega, _)| self.band.contains(*omega)));
         }
@@ -354,13 +361,13 @@ impl LinearRing {
         places.extend([self.band.low, self.band.high].map(|end| (end, narrowest)));
         let mut found: Vec<(LinearLargest, f64)> = places
             .iter()
-            .map(|&(omega, half)| (self.at(&stiffness, omega), half))
+            .map(|&(omega, half)| (modes.at(omega), half))
             .collect();
         found.sort_by(|(a, _), (b, _)| b.amplitude.total_cmp(&a.amplitude));
         found.truncate(REFINED);
         let refined = found
             .iter()
-            .map(|(at, half)| self.refined(&stiffness, *at, *half));
+            .map(|(at, half)| modes.refined(*at, *half, self.band));
         let highest = refined.reduce(|a, b| if b.amplitude > a.amplitude { b } else { a });
         // towards an end of the band the amplitude grows to a resonance outside it
         let inside = |at: &LinearLargest| {
@@ -370,17 +377,54 @@ impl LinearRing {
         };
         Ok(highest.filter(|at| n > 0 && inside(at)))
     }
+}
+
+/// A linear disk in the modes that it has with its deviations.
+struct MistunedModes {
+    /// Squared frequencies ((rad/s)²), ascending.
+    lambda: Vec<f64>,
+    damping: Mat<f64>,
+    force: Vec<c64>,
+    /// Response of every blade. Shape: sectors × modes.
+    response: Mat<f64>,
+    /// So many modes, the lowest ones, are coupled by the damping; it takes the others each for itself.
+    coupled: usize,
+}
+
+impl MistunedModes {
+    fn new(of: &LinearRing, stiffness: &Mat<f64>) -> Result<Self, LinalgError> {
+        let (lambda, shapes) = symmetric_eigen(stiffness.as_ref())?;
+        let limit = (NOMINAL * of.band.high).powi(2);
+        let force = |mode: usize| -> c64 {
+            let shape = shapes.col_as_slice(mode).iter();
+            shape.zip(&of.force).map(|(x, f)| *f * *x).sum()
+        };
+        Ok(Self {
+            coupled: lambda.iter().filter(|l| **l <= limit).count(),
+            damping: shapes.transpose() * &of.damping * &shapes,
+            force: (0..lambda.len()).map(force).collect(),
+            response: &of.response * &shapes,
+            lambda,
+        })
+    }
 
     /// The largest amplitude at one frequency.
-    fn at(&self, stiffness: &Mat<f64>, omega: f64) -> LinearLargest {
+    fn at(&self, omega: f64) -> LinearLargest {
         let n = self.lambda.len();
-        let dynamic = Mat::from_fn(n, n, |i, j| {
-            let inertia = if i == j { omega * omega } else { 0.0 };
-            c64::new(stiffness[(i, j)] - inertia, omega * self.damping[(i, j)])
-        });
-        let moved = dynamic
+        let stiffness = |i: usize, j: usize| {
+            let elastic = if i == j {
+                self.lambda[i] - omega * omega
+            } else {
+                0.0
+            };
+            c64::new(elastic, omega * self.damping[(i, j)])
+        };
+        let low = Mat::from_fn(self.coupled, self.coupled, stiffness);
+        let low = low
             .partial_piv_lu()
-            .solve(Col::from_fn(n, |i| self.force[i]));
+            .solve(Col::from_fn(self.coupled, |i| self.force[i]));
+        let high = (self.coupled..n).map(|i| self.force[i] / stiffness(i, i));
+        let moved: Vec<c64> = low.iter().copied().chain(high).collect();
         let amplitude = |blade: usize| {
             let modes = (0..n).map(|j| moved[j] * self.response[(blade, j)]);
             modes.sum::<c64>().norm()
@@ -403,22 +447,22 @@ impl LinearRing {
         })
     }
 
-    /// The maximum within `reach` of a frequency, by golden sections.
-    fn refined(&self, stiffness: &Mat<f64>, at: LinearLargest, reach: f64) -> LinearLargest {
+    /// The maximum within `reach` of a frequency and in `band`, by golden sections.
+    fn refined(&self, at: LinearLargest, reach: f64, band: Band) -> LinearLargest {
         let ratio = 0.5 * (5_f64.sqrt() - 1.0);
-        let mut low = (at.omega - reach).max(self.band.low);
-        let mut high = (at.omega + reach).min(self.band.high);
+        let mut low = (at.omega - reach).max(band.low);
+        let mut high = (at.omega + reach).min(band.high);
         let mut inner = [high - ratio * (high - low), low + ratio * (high - low)];
-        let mut values = inner.map(|omega| self.at(stiffness, omega));
+        let mut values = inner.map(|omega| self.at(omega));
         for _ in 0..SECTIONS {
             if values[0].amplitude > values[1].amplitude {
                 high = inner[1];
                 inner = [high - ratio * (high - low), inner[0]];
-                values = [self.at(stiffness, inner[0]), values[0]];
+                values = [self.at(inner[0]), values[0]];
             } else {
                 low = inner[0];
                 inner = [inner[1], low + ratio * (high - low)];
-                values = [values[1], self.at(stiffness, inner[1])];
+                values = [values[1], self.at(inner[1])];
             }
         }
         let best = values[usize::from(values[1].amplitude > values[0].amplitude)];

@@ -123,10 +123,7 @@ impl Disk {
     pub fn is_uncoupled(&self) -> bool {
         [&self.mass, &self.damping, &self.stiffness]
             .iter()
-            .all(|matrix| match matrix {
-                CyclicMatrix::Neighbours { next, .. } => next.norm_max() == 0.0,
-                CyclicMatrix::Nodal(_) => false,
-            })
+            .all(|matrix| matrix.is_uncoupled())
     }
 
     /// A sector in a wave that stands ([`Disk::stands`]): an ordinary model.
@@ -294,6 +291,14 @@ impl CyclicMatrix {
     pub fn uncoupled(own: Mat<f64>) -> Self {
         let next = Mat::zeros(own.nrows(), own.ncols());
         Self::Neighbours { own, next }
+    }
+
+    /// Whether it couples no sector with another. Matrices of nodal diameters, which are reduced, always count as coupling.
+    fn is_uncoupled(&self) -> bool {
+        match self {
+            Self::Neighbours { next, .. } => next.norm_max() == 0.0,
+            Self::Nodal(_) => false,
+        }
     }
 
     /// Adds the spring `k` (N/m) against a linear form on the displacements of a sector of `disk` and the next one.

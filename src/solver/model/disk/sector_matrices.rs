@@ -332,7 +332,7 @@ pub(super) fn definite(mass: &CyclicMatrix, n_sectors: usize) -> Result<(), BadS
     Ok(())
 }
 
-/// C(θ) = M Φ diag(2ζω) Φᴴ M: the same damping ratio in every free mode of every wave.
+/// C(θ) = M Φ diag(2ζω) Φᴴ M: the same damping ratio in every free mode of every wave. It couples no sectors that M and K do not couple.
 pub(super) fn modal_damping(
     ratio: f64,
     [stiffness, mass]: [&CyclicMatrix; 2],
@@ -351,6 +351,15 @@ pub(super) fn modal_damping(
         });
         Ok(scaled * weighted.adjoint())
     };
+    if stiffness.is_uncoupled() && mass.is_uncoupled() {
+        let own = of_wave(0)?;
+        let real = |i, j| own[(i, j)].re;
+        return Ok(CyclicMatrix::uncoupled(Mat::from_fn(
+            own.nrows(),
+            own.ncols(),
+            real,
+        )));
+    }
     let matrices = (0..=n_sectors / 2).map(of_wave);
     Ok(CyclicMatrix::Nodal(
         matrices.collect::<Result<_, BadSetting>>()?,
