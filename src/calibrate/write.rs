@@ -25,21 +25,24 @@ pub fn schema() -> Value {
 }
 
 impl Calibrated {
-    /// Writes `posterior.csv`, `calibration.json` and `calibration.html` into `folder`; the files.
+    /// Writes `posterior.csv`, `calibration.json` and `calibration.html` into `folder`, all or none; the files.
     ///
     /// # Errors
     /// [`Error::File`] if one cannot be written.
     pub fn write(&self, folder: &OutputFolder) -> Result<Vec<PathBuf>, Error> {
-        let draws = folder.write(POSTERIOR, |out| self.write_draws(out))?;
-        let summary = folder.write(CALIBRATION, |out| {
+        let summary = |out: &mut dyn Write| {
             serde_json::to_writer_pretty(&mut *out, &self.summary)?;
             writeln!(out)
-        })?;
-        let page = folder.write(PAGE, |out| {
+        };
+        let page = |out: &mut dyn Write| {
             let page = html(self).map_err(std::io::Error::other)?;
             out.write_all(page.as_bytes())
-        })?;
-        Ok(vec![draws, summary, page])
+        };
+        folder.write_all(&[
+            (POSTERIOR, &|out| self.write_draws(out)),
+            (CALIBRATION, &summary),
+            (PAGE, &page),
+        ])
     }
 
     /// A line of names, then one line per draw. Draws of the chains alternate, so that the first ones are of all chains.

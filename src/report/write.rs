@@ -2,7 +2,7 @@
 
 use super::assessment::Assessment;
 use super::error::ReportError;
-use crate::file;
+use crate::file::{self, Content, FileError};
 use crate::report::numbers::summary::Summary;
 use crate::report::page::document::study_page;
 use crate::report::run::input::ReportInput;
@@ -23,7 +23,7 @@ pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
     Ok((summary, run))
 }
 
-/// Writes `summary.json`, `report.json` and `report.html` into `folder`, each whole or not at all, and returns the summary.
+/// Writes `summary.json`, `report.json` and `report.html` into `folder`, all or none, and returns the summary.
 ///
 /// Shape: every outcome, and the nominal one, has one record per level of the record.
 ///
@@ -31,10 +31,22 @@ pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
 /// [`ReportError`] if a file cannot be written.
 pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError> {
     let (summary, texts) = texts(input)?;
-    for (name, text) in REPORT_FILES.into_iter().zip(texts) {
-        file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
+    let files: Vec<(&str, String)> = REPORT_FILES.into_iter().zip(texts).collect();
+    write_texts(folder, &files)?;
     Ok(summary)
+}
+
+/// Writes files of `folder`, all or none: they say the same in numbers and on a page.
+pub(super) fn write_texts(folder: &Path, files: &[(&str, String)]) -> Result<(), FileError> {
+    let writers: Vec<_> = (files.iter())
+        .map(|(_, text)| move |out: &mut dyn Write| out.write_all(text.as_bytes()))
+        .collect();
+    let mut contents: Vec<Content<'_>> = Vec::new();
+    for ((name, _), writer) in files.iter().zip(&writers) {
+        contents.push((name, writer));
+    }
+    file::replace_all(folder, &contents)?;
+    Ok(())
 }
 
 /// Names of the report's files in `folder` that are not what this program makes of the tables there; absent ones among them.

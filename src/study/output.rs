@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::ensemble::arrow::write_arrow;
-use crate::file::{self, MadeFolders};
+use crate::file::{self, Content, MadeFolders};
 use crate::report::asked::Bands;
 use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, TABLES};
 use crate::setting::BadSetting;
@@ -118,6 +118,14 @@ impl OutputFolder {
             buffer.flush()
         })?;
         Ok(path)
+    }
+
+    /// Writes files that say the same, all or none: older ones of these names stay until all new ones are on the disk. Their paths.
+    ///
+    /// # Errors
+    /// [`Error::File`] if a content cannot be produced or written (no space left, …).
+    pub fn write_all(&self, contents: &[Content<'_>]) -> Result<Vec<PathBuf>, Error> {
+        Ok(file::replace_all(&self.path, contents)?)
     }
 }
 

@@ -124,7 +124,7 @@ impl LevelCurve {
 /// `responses`, `contact_fractions` and `work_j` are null in `solution.json`.
 ///
 /// # Errors
-/// [`Error::File`] if a file cannot be written; older files then stay as they were.
+/// [`Error::File`] if a file cannot be written; both older files then stay as they were.
 pub fn write_curves(
     folder: &OutputFolder,
     study: &Study,
@@ -142,11 +142,12 @@ pub fn write_curves(
             .map(|curve| LevelRecord::new(curve, unit, &names))
             .collect(),
     };
-    folder.write(SOLUTION, |out| {
+    let solution = |out: &mut dyn Write| {
         serde_json::to_writer(&mut *out, &record)?;
         writeln!(out)
-    })?;
-    folder.write(CURVE, |out| write_csv(out, unit, &names, curves))?;
+    };
+    let curve = |out: &mut dyn Write| write_csv(out, unit, &names, curves);
+    folder.write_all(&[(SOLUTION, &solution), (CURVE, &curve)])?;
     Ok(())
 }
 

@@ -38,7 +38,7 @@ pub use number::{
 };
 pub use parquet::{Fault, read_parquet};
 pub use together::{Together, finish_placing, remove_folder};
-pub use written::{FileRecord, NewFile, replace};
+pub use written::{Content, FileRecord, NewFile, replace, replace_all};
 
 use std::fs::File;
 use std::io::{Error as IoError, ErrorKind, Read};

@@ -2,7 +2,7 @@
 
 use super::FileError;
 use std::fs::File;
-use std::io::{Result as IoResult, Write};
+use std::io::{BufWriter, Result as IoResult, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -131,6 +131,36 @@ pub fn replace(
     file.finish()
 }
 
+/// Name of a file, and what writes its content.
+pub type Content<'a> = (&'a str, &'a dyn Fn(&mut dyn Write) -> IoResult<()>);
+
+/// Writes files of `folder` that say the same: the first one takes its name when all of them are on the disk, so that one that finds
+/// no space leaves the older ones beside each other. Their paths.
+///
+/// Needs no lock, unlike [`super::Together`]: two processes that write the same names disturb each other's files no more than two [`replace`].
+///
+/// # Errors
+/// [`FileError`] with the path, whatever a content or the operating system refuses; unless the system refuses a name, all are as they were.
+pub fn replace_all(folder: &Path, contents: &[Content<'_>]) -> Result<Vec<PathBuf>, FileError> {
+    let mut written = Vec::new();
+    for (name, content) in contents {
+        let path = folder.join(name);
+        let mut file = NewFile::begin(&path)?;
+        let filled = {
+            let mut buffer = BufWriter::new(&mut file);
+            content(&mut buffer).and_then(|()| buffer.flush())
+        };
+        let on_disk = filled.and_then(|()| file.file.as_file().sync_all());
+        on_disk.map_err(|source| FileError::system(&path, source))?;
+        written.push((file, path));
+    }
+    let placed = written.into_iter().map(|(file, path)| {
+        file.finish()?;
+        Ok(path)
+    });
+    placed.collect()
+}
+
 /// Folder of a file as the system opens it: that of a bare name is `.`.
 fn folder_to_open(path: &Path) -> &Path {
     match path.parent() {
@@ -149,4 +179,28 @@ pub(super) fn sync_folder(folder: &Path) -> Result<(), FileError> {
     #[cfg(not(unix))]
     let _ = folder;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The second file finds no space: the first one has not taken its name, and nothing else is left.
+    #[test]
+    fn files_that_say_the_same_are_replaced_all_or_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        let text = |text: &'static str| move |out: &mut dyn Write| out.write_all(text.as_bytes());
+        let full = |_: &mut dyn Write| Err(std::io::ErrorKind::StorageFull.into());
+        let (old, new) = (text("old"), text("new"));
+        let read = || ["a", "b"].map(|name| std::fs::read_to_string(path.join(name)).unwrap());
+        replace_all(path, &[("a", &old), ("b", &old)]).unwrap();
+        let failed = replace_all(path, &[("a", &new), ("b", &full)]).unwrap_err();
+        assert!(failed.to_string().contains("b: "), "{failed}");
+        assert_eq!(read(), ["old", "old"]);
+        assert_eq!(std::fs::read_dir(path).unwrap().count(), 2);
+        let paths = replace_all(path, &[("a", &new), ("b", &new)]).unwrap();
+        assert_eq!(paths, ["a", "b"].map(|name| path.join(name)));
+        assert_eq!(read(), ["new", "new"]);
+    }
 }

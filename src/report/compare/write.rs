@@ -2,13 +2,12 @@
 
 use super::comparison::DesignComparison;
 use super::page::render;
-use crate::file;
 use crate::report::error::ReportError;
 use crate::report::run::stored_run::StoredRun;
-use std::io::Write;
+use crate::report::write::write_texts;
 use std::path::Path;
 
-/// Writes `comparison.json` and `comparison.html` of the compared `runs` into `folder`, each whole or not at all.
+/// Writes `comparison.json` and `comparison.html` of the compared `runs` into `folder`, both or none.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written.
@@ -19,8 +18,9 @@ pub fn write(
 ) -> Result<(), ReportError> {
     let json = serde_json::to_string_pretty(comparison)?;
     let page = render(comparison, runs)?;
-    for (name, text) in [("comparison.json", json), ("comparison.html", page)] {
-        file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
+    write_texts(
+        folder,
+        &[("comparison.json", json), ("comparison.html", page)],
+    )?;
     Ok(())
 }

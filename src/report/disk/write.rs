@@ -2,24 +2,21 @@
 
 use super::page::render;
 use super::summary::DiskSummary;
-use crate::file;
 use crate::report::error::ReportError;
 use crate::report::run::stored_run::StoredRun;
-use std::io::Write;
+use crate::report::write::write_texts;
 use std::path::Path;
 
 /// Name of the numbers of a disk.
 pub const DISK_NUMBERS: &str = "disk.json";
 
-/// Writes `disk.json` and `disk.html` into `folder`, each whole or not at all.
+/// Writes `disk.json` and `disk.html` into `folder`, both or none.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written.
 pub fn write(folder: &Path, disk: &DiskSummary, runs: &[StoredRun]) -> Result<(), ReportError> {
     let json = serde_json::to_string_pretty(disk)?;
     let page = render(disk, runs)?;
-    for (name, text) in [(DISK_NUMBERS, json), ("disk.html", page)] {
-        file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
+    write_texts(folder, &[(DISK_NUMBERS, json), ("disk.html", page)])?;
     Ok(())
 }
