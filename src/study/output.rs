@@ -40,13 +40,17 @@ impl Default for OutputSettings {
 }
 
 impl OutputSettings {
-    /// Checks ranges.
+    /// Checks the folder, which is relative to that of the study file, `beside`.
     ///
     /// # Errors
-    /// [`BadSetting`] with a key relative to `[output]`.
-    pub fn validate(&self) -> Result<(), BadSetting> {
+    /// [`BadSetting`] with its whole key.
+    pub fn validate(&self, beside: &Path) -> Result<(), BadSetting> {
+        const KEY: &str = "output.folder";
         let empty = self.folder.as_os_str().is_empty();
-        BadSetting::unless(!empty, "folder", "\"\"", "must not be empty")
+        BadSetting::unless(!empty, KEY, "\"\"", "must not be empty")?;
+        let is_file = beside.join(&self.folder).is_file();
+        let rule = "must be a folder: a file has this name";
+        BadSetting::unless(!is_file, KEY, self.folder.display(), rule)
     }
 }
 

@@ -125,7 +125,7 @@ fn the_table_belongs_to_the_results() {
     assert!(!table.exists(), "the table of an older run is still there");
 }
 
-/// Seen to fail without the check of the design.
+/// Seen to fail without the check of the design, and with "must be from 1 to 0" for a study on one harmonic.
 #[test]
 fn what_cannot_be_a_control_is_refused() {
     let wanted = |text: &str| format!("[control_variate]\n{text}\n[output]");
@@ -139,6 +139,14 @@ fn what_cannot_be_a_control_is_refused() {
                 "[output]",
                 &harmonics,
                 &["control_variate.harmonics = 5", "must be from 1 to 4"],
+            ),
+            (
+                "[solver]\nharmonics = 5",
+                "[control_variate]\n[solver]\nharmonics = 1",
+                &[
+                    "control_variate.harmonics = 1: no number fits",
+                    "`solver.harmonics` must be 2 or more",
+                ],
             ),
             (
                 "[output]",

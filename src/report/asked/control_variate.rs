@@ -46,10 +46,16 @@ impl ControlVariateSettings {
     /// [`BadSetting`] with a key relative to `[control_variate]`.
     pub fn validate(&self, samples: u64, highest: usize) -> Result<(), BadSetting> {
         let (h, n) = (self.highest_harmonic(), self.samples());
-        let rule = format!(
-            "must be from 1 to {}: cheaper than the study's own harmonics",
-            highest - 1
-        );
+        let rule = match highest {
+            0 | 1 => {
+                "no number fits: `solver.harmonics` must be 2 or more for a cheaper control variate"
+                    .to_owned()
+            }
+            most => format!(
+                "must be from 1 to {}: cheaper than the study's own harmonics",
+                most - 1
+            ),
+        };
         BadSetting::unless((1..highest).contains(&h), "harmonics", h, &rule)?;
         let least = LEAST_RATIO.saturating_mul(samples);
         let rule =

@@ -27,7 +27,7 @@ const USUAL_STRENGTH_MPA: [f64; 2] = [10.0, 1e4];
 const USUAL_SPEED_RPM: [f64; 2] = [100.0, 2e5];
 
 /// Pattern of a line of printable characters, for JSON Schema.
-const LINE: &str = r"^[^\u0000-\u001f\u007f-\u009f\ufffe\uffff]*$";
+pub(crate) const LINE: &str = r"^[^\u0000-\u001f\u007f-\u009f\ufffe\uffff]*$";
 
 /// Requirements of a study; all may be absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -185,18 +185,9 @@ impl Criterion {
     }
 
     fn validate(&self) -> Result<(), BadSetting> {
-        let named = !self.name.trim().is_empty();
-        BadSetting::unless(named, "name", "\"\"", "must not be empty")?;
-        let [standard, clause] = [&self.standard, &self.clause].map(Option::as_ref);
-        let texts = [
-            ("name", Some(&self.name)),
-            ("standard", standard),
-            ("clause", clause),
-        ];
-        for (key, text) in texts {
-            let text = text.map_or("", String::as_str);
-            let rule = "must be one line of printable characters";
-            BadSetting::unless(is_printable(text), key, format!("{text:?}"), rule)?;
+        title("name", &self.name)?;
+        for (key, text) in [("standard", &self.standard), ("clause", &self.clause)] {
+            printable(key, text.as_deref().unwrap_or(""))?;
         }
         positive("limit", self.limit)?;
         within("limit", self.limit, [0.0, LARGEST])?;
@@ -218,9 +209,20 @@ impl Criterion {
     }
 }
 
-/// Whether a text has no characters but those that XML, and with it a figure, can hold.
-fn is_printable(text: &str) -> bool {
-    !text.contains(|c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'))
+/// Requires a line that is not blank.
+///
+/// # Errors
+/// [`BadSetting`] otherwise.
+pub(crate) fn title(key: &str, text: &str) -> Result<(), BadSetting> {
+    BadSetting::unless(!text.trim().is_empty(), key, "\"\"", "must not be empty")?;
+    printable(key, text)
+}
+
+/// Requires a line of characters that a terminal shows as such, and that XML, and with it a figure, can hold.
+fn printable(key: &str, text: &str) -> Result<(), BadSetting> {
+    let other = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
+    let rule = "must be one line of printable characters";
+    BadSetting::unless(!text.contains(other), key, format!("{text:?}"), rule)
 }
 
 /// Requires a list that a figure can show.

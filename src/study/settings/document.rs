@@ -164,27 +164,47 @@ impl<'t> Document<'t> {
         result.map_err(|bad| self.bad_setting(&bad))
     }
 
-    /// The error of a file that is not there, at the line of the key that names it, relative to the folder of the text; other errors as they
-    /// are.
+    /// The error of a file that is not there, at the line of the key that names it, relative to the folder of the text; that of a file
+    /// which is not what its key asks for, with the keys that name it; other errors as they are.
     #[must_use]
     pub fn bad_file(&self, error: FileError) -> Error {
-        let FileError::System { path, .. } = &error else {
-            return error.into();
-        };
+        match error {
+            FileError::System { ref path, .. } if error.is_absence() => {
+                let Some(place) = self.places_naming(path).next() else {
+                    return error.into();
+                };
+                let rule = format!("must name a file: there is no {}", path.display());
+                let value = &self.text[place.value.clone()];
+                self.bad_setting(&BadSetting::new(&place.key, value, rule))
+            }
+            FileError::Content {
+                path,
+                line: None,
+                rule,
+            } => {
+                let places = self.places_naming(&path);
+                let keys: Vec<String> = places
+                    .map(|place| format!("{} (line {})", place.key, self.line_of(&place.key)))
+                    .collect();
+                let named = match keys.is_empty() {
+                    true => String::new(),
+                    false => format!("; {} names it: {}", self.path.display(), keys.join(", ")),
+                };
+                FileError::content(&path, None, rule + &named).into()
+            }
+            error => error.into(),
+        }
+    }
+
+    /// Where the text names the file `path`, relative to its own folder.
+    fn places_naming<'p>(&'p self, path: &'p Path) -> impl Iterator<Item = &'p Place> {
         let folder = before_name(&self.path);
         let name = |place: &Place| -> Option<String> {
             let value = ValueDeserializer::parse(&self.text[place.value.clone()]).ok()?;
             String::deserialize(value).ok()
         };
-        let names_it = |place: &&Place| name(place).is_some_and(|name| folder.join(name) == *path);
-        match self.places.iter().find(names_it) {
-            Some(place) if error.is_absence() => {
-                let rule = format!("must name a file: there is no {}", path.display());
-                let value = &self.text[place.value.clone()];
-                self.bad_setting(&BadSetting::new(&place.key, value, rule))
-            }
-            _ => error.into(),
-        }
+        let names_it = move |place: &&Place| name(place).is_some_and(|n| folder.join(n) == *path);
+        self.places.iter().filter(names_it)
     }
 
     /// An error at the line of `key`.

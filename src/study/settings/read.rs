@@ -16,6 +16,7 @@ use crate::file::{FileError, FileRecord};
 use crate::hb::{HbSettings, ProblemError};
 use crate::model::two_blade::TwoBladeSettings;
 use crate::model::{ContactPair, ReducedModel};
+use crate::report::asked::requirement::title;
 use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
 use crate::sampling::{Design, Input};
 use crate::setting::{BadSetting, within};
@@ -147,7 +148,7 @@ impl Study {
         document.finish(&KEYS)?;
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
-        output.validate().map_err(|bad| at(bad.under("output")))?;
+        output.validate(before_name(path)).map_err(at)?;
         let solver_settings = solver.settings(&contact, model.assessed()).map_err(at)?;
         let unit = frequency.unit;
         let checked = asked.check(&model, unit, &levels, &design, &solver_settings);
@@ -437,8 +438,7 @@ pub(in crate::study) fn only_of_rig(input: Input) -> Option<&'static str> {
 }
 
 fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {
-    let rule = "must not be empty";
-    BadSetting::unless(!name.trim().is_empty(), "name", "\"\"", rule)?;
+    title("name", name)?;
     let rule = format!("must be at most {MOST_LEVELS} levels");
     let written = format!("[{} levels]", levels.len());
     BadSetting::unless(levels.len() <= MOST_LEVELS, "levels", written, &rule)?;

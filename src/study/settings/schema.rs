@@ -11,6 +11,7 @@ use super::read::{KEYS, LEVEL, MOST_LEVELS};
 use super::solver_section::{ContactSection, SolverSection};
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
+use crate::report::asked::requirement::LINE;
 use crate::report::asked::{
     ControlVariateSettings, Criterion, Operation, StoppingTable, Stress, SurrogateSettings,
 };
@@ -131,7 +132,7 @@ fn without_null(schema: &mut Value) {
 fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
     match key {
         "name" => {
-            json!({ "type": "string", "pattern": NOT_BLANK, "description": "Title of the study." })
+            json!({ "type": "string", "pattern": NOT_BLANK, "allOf": [{ "pattern": LINE }], "description": "Title of the study." })
         }
         "seed" => json!({
             "type": "integer",

@@ -439,6 +439,11 @@ pub(crate) const REFUSED: &[Case] = &[
     ),
     ("name = \"two masses\"", "", &[":1: name: must be given"]),
     (
+        "name = \"two masses\"",
+        "name = \"two\\nmasses\"",
+        &[":1: name = \"two\\nmasses\": must be one line of printable characters"],
+    ),
+    (
         "[inputs.friction_coefficient]",
         "[inputs.friction]",
         &[":27: inputs.friction: unknown input"],

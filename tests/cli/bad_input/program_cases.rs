@@ -77,6 +77,19 @@ pub(crate) const BEYOND_SCHEMA: &[Case] = &[
         &[":13: model.cosine_force.y"],
     ),
     (
+        "[output]",
+        "[output]\nfolder = \"mass.mtx\"",
+        &[":40: output.folder = mass.mtx: must be a folder: a file has this name"],
+    ),
+    (
+        "mass = \"mass.mtx\"",
+        "mass = \"mass.mtx\"\nmirror = \"mass.mtx\"",
+        &[
+            "mass.mtx: must be a mirror: one entry 1 or -1 in each column",
+            "study.toml names it: model.mass (line 8), model.mirror (line 9)",
+        ],
+    ),
+    (
         "{ x1 = 1.0 }\nresp",
         "{ x1 = 0.0 }\nresp",
         &[":13: model.cosine_force", "zero"],
