@@ -236,7 +236,7 @@ struct PointRecord<'a> {
     /// Stated relative error of the amplitude by the harmonics left out; null with `alert = false`, or where no solution with
     /// other harmonics was found.
     truncation_error: Option<f64>,
-    /// Floquet multiplier of the largest modulus [real part, imaginary part]: above 1 in modulus the solution is unstable; null
+    /// Floquet multiplier of the largest modulus [real part, imaginary part]: above 1.01 in modulus the solution is unstable; null
     /// where stability was not assessed.
     multiplier: Option<[f64; 2]>,
     /// Largest residual of the equations over the static displacement of the contacts; null where it is not finite.

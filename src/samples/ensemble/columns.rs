@@ -75,7 +75,7 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 40] = [
     column(
         "multiplier_real",
         "1",
-        "real part of the Floquet multiplier of the largest modulus: above 1 in modulus the peak is unstable; null where stability was not assessed, and in results of an older program",
+        "real part of the Floquet multiplier of the largest modulus: above 1.01 in modulus the peak is unstable; null where stability was not assessed, and in results of an older program",
     ),
     column(
         "multiplier_imaginary",
@@ -152,7 +152,7 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 40] = [
     column(
         "unfinished_modes",
         "",
-        "modes whose maximum was searched and not found, though nothing says that it lies outside the band",
+        "number of modes whose maximum was searched and not found, though nothing says that it lies outside the band",
     ),
     column(
         "upward_frequency_hz",
@@ -204,11 +204,15 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 40] = [
 pub const CURVE_COLUMNS: [DescribedColumn; 4] = [
     column("sample", "", "index of the sample"),
     column("level", LEVEL_UNIT, "excitation level"),
-    column("frequency_hz", "Hz", "frequency"),
+    column(
+        "frequency_hz",
+        "Hz",
+        "frequency; the first and the last one lie inside the band",
+    ),
     column(
         "amplitude_m",
         "m",
-        "amplitude of the first harmonic of the first response",
+        "amplitude of the first harmonic of the first response, interpolated between solutions to 0.3 % of the peak",
     ),
 ];
 

@@ -2,6 +2,7 @@
 
 use super::several_answers;
 use crate::ensemble::outcome::SampleOutcome;
+use crate::hb::stability::assessment::MARGIN;
 use crate::hb::{ContactFractions, PeakRoute, Status};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Section, Table};
@@ -58,8 +59,12 @@ fn stability(view: &View) -> Option<String> {
     let counts = counts.fold(StabilityCounts::default(), StabilityCounts::and);
     Some(format!(
         "Stability: {} of {} peaks were assessed by their Floquet multipliers, {} of them are unstable. The largest \
-         modulus of a multiplier is {:.4}.",
-        counts.assessed, counts.peaks, counts.unstable, counts.largest_multiplier?,
+         modulus of a multiplier is {:.4}; above {} a peak counts as unstable.",
+        counts.assessed,
+        counts.peaks,
+        counts.unstable,
+        counts.largest_multiplier?,
+        1.0 + MARGIN,
     ))
 }
 
