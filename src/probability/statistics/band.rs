@@ -112,9 +112,7 @@ pub enum EnvelopeRefusal {
     #[error("no curve shapes the band")]
     NoCurve,
     /// The calibrating half is too small, or too much of it failed or left the band however wide.
-    #[error(
-        "{inside} of {calibrating} calibrating samples can be enclosed, the level needs {needed}"
-    )]
+    #[error("{inside} of {calibrating} calibrating samples can be enclosed, and {needed} must be")]
     NotEnclosed {
         /// Calibrating samples that a band of this shape can enclose.
         inside: usize,
@@ -123,6 +121,30 @@ pub enum EnvelopeRefusal {
         /// Calibrating samples that it must enclose.
         needed: usize,
     },
+}
+
+impl EnvelopeRefusal {
+    /// Calibrating samples with which there is a band that holds the share `level`, if all further ones can be enclosed. What must be
+    /// enclosed grows with them, so this is more than the present number needs. Absent where their number is not what is lacking: so many
+    /// would do without those that cannot be enclosed, whose share is larger than the band may leave out.
+    #[must_use]
+    pub fn enough(&self, level: f64) -> Option<usize> {
+        let Self::NotEnclosed {
+            inside,
+            calibrating,
+            ..
+        } = *self
+        else {
+            return None;
+        };
+        let outside = calibrating - inside;
+        let holds = |m: usize, outside: usize| quantile_rank(m + 1, level) + outside <= m;
+        let too_many = outside as f64 > (1.0 - level) * calibrating as f64;
+        if holds(calibrating, 0) && too_many {
+            return None;
+        }
+        (calibrating..).find(|&m| holds(m, outside))
+    }
 }
 
 /// A nested family of bands: the score of a curve is the smallest member that holds it.
@@ -295,6 +317,29 @@ mod tests {
             (empty.points[0].present, empty.whole_curves_inside),
             (0, None)
         );
+    }
+
+    /// The number that a refusal names is the smallest that suffices: with one calibrating curve less there is no band.
+    #[test]
+    fn a_refusal_names_the_number_that_suffices() {
+        let band = |n: u32| {
+            let curve = |i| Curve::through([(0.0, f64::from(i)), (1.0, f64::from(i))]);
+            let curves: Vec<Option<Curve>> = (0..n).map(curve).collect();
+            let set = CurveSet::of(&curves, &[0.0, 1.0]);
+            simultaneous_band(&set, 0.95, 0.95, MissingPoints::Outside)
+        };
+        let enough = |n: u32| band(n).unwrap_err().enough(0.95);
+        assert_eq!([20, 36].map(enough), [Some(19), Some(19)]);
+        assert!(band(38).is_ok());
+        assert_eq!(EnvelopeRefusal::NoCurve.enough(0.95), None);
+        let refused = |inside, calibrating| EnvelopeRefusal::NotEnclosed {
+            inside,
+            calibrating,
+            needed: quantile_rank(calibrating + 1, 0.95),
+        };
+        // one that cannot be enclosed takes 20 more; of 400 those 100 are no matter of the number
+        assert_eq!(refused(29, 30).enough(0.95), Some(39));
+        assert_eq!(refused(300, 400).enough(0.95), None);
     }
 
     /// Y(t) = Z₁ cos t + Z₂ sin t with standard normal Z: the pointwise 95 % band is ±1.96 and holds the share

@@ -82,7 +82,10 @@ pub enum SensitivityRefusal {
     )]
     OneSequence,
     /// Too few samples.
-    #[error("{found} samples are too few, {needed} are needed")]
+    #[error("{} too few, {needed} are needed", match found {
+        1 => "1 sample is".to_owned(),
+        n => format!("{n} samples are"),
+    })]
     TooFew {
         /// Samples there are.
         found: usize,

@@ -293,34 +293,40 @@ impl Design {
         let inner = self.samples / self.outer_points();
         let mut text = match &self.plan {
             Plan::Sobol { replicates, .. } => format!(
-                "sobol, {replicates} {} of {} points",
-                if *replicates == 1 {
-                    "replicate"
-                } else {
-                    "replicates"
-                },
-                inner / replicates
+                "sobol, {} of {}",
+                count(*replicates, "replicate"),
+                count(inner / replicates, "point")
             ),
             Plan::PickFreeze(design) => {
                 let (rows, row) = (inner / design.row(), design.row());
-                let word = if rows == 1 { "row" } else { "rows" };
-                format!("pick-freeze, {rows} {word} of {row} samples")
+                format!("pick-freeze, {} of {row} samples", count(rows, "row"))
             }
             Plan::Grid(points) => {
                 let sides: Vec<_> = points.iter().map(u64::to_string).collect();
                 format!("grid of {} points", sides.join(" x "))
             }
-            _ => format!("{}, {inner} samples", self.kind.name()),
+            _ => format!("{}, {}", self.kind.name(), count(inner, "sample")),
         };
         if let Some(correlation) = &self.correlation {
             let pairs = correlated_pairs(&self.drawn, correlation);
             text.push_str(&format!(", correlated ({pairs} of the normal scores)"));
         }
         if self.outer.is_some() {
-            let n = self.outer_points();
-            text.push_str(&format!(" at each of {n} outer points"));
+            let each = match self.outer_points() {
+                1 => "1 outer point".to_owned(),
+                n => format!("each of {n} outer points"),
+            };
+            text.push_str(&format!(" at {each}"));
         }
         text
+    }
+}
+
+/// `1 row`, `2 rows`.
+fn count(n: u64, noun: &str) -> String {
+    match n {
+        1 => format!("1 {noun}"),
+        n => format!("{n} {noun}s"),
     }
 }
 

@@ -19,11 +19,13 @@ const BAR: [f64; 2] = [0.01, 0.99];
 /// Absent without `[operation]`.
 pub(super) fn section(view: &View) -> Option<Section> {
     let operation = view.input.record.requirements.operation.as_ref()?;
-    let keys = [
+    let mut keys = vec![
         Key::new(Mark::Line, "line order", "engine order"),
         Key::new(Mark::Band, "speeds", "range of speeds"),
-        Key::new(Mark::Line, "rule limit", "speed that is held"),
     ];
+    if !operation.dwell_rpm.is_empty() {
+        keys.push(Key::new(Mark::Line, "rule limit", "speed that is held"));
+    }
     let base = match operation.margin_relative_to {
         MarginBase::EngineOrder => "the frequency of the excitation",
         MarginBase::Resonance => "the resonance frequency",

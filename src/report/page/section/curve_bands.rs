@@ -119,8 +119,8 @@ fn width_of(points: &[(f64, f64)]) -> Option<f64> {
     Some(crossing(right[0], right[1]) - crossing(left[0], left[1]))
 }
 
-/// What the bands are, in words.
-pub(super) fn meaning(view: &View) -> String {
+/// What the bands are, in words; `whole`: a panel has one of whole curves.
+fn meaning(view: &View, whole: bool) -> String {
     let shape = match view.input.record.bands {
         Bands::Simultaneous | Bands::PeakAligned => "is stretched from the pointwise one",
         Bands::Depth => "is spanned by the deepest curves of one half of the samples",
@@ -138,20 +138,41 @@ pub(super) fn meaning(view: &View) -> String {
         ),
     };
     if view.nested() {
+        let dashed = match whole {
+            true => format!(
+                " The dashed band holds the band of whole curves of each outer point, which {shape} and calibrated on the other \
+                 half of its samples."
+            ),
+            false => String::new(),
+        };
         return format!(
             "{abscissa}Quantiles and medians at each frequency are those of each outer point, and the filled bands run from \
-             the lowest to the highest of them. The dashed band holds the band of whole curves of each outer point, which \
-             {shape} and calibrated on the other half of its samples. All are drawn where at least half of the curves of \
+             the lowest to the highest of them.{dashed} All are drawn where at least half of the curves of \
              every outer point exist. Whichever outer point is true, its own bands lie inside. For the peak itself use the \
              ranges."
         );
     }
+    let dashed = match whole {
+        true => format!(
+            " The dashed band {shape} and calibrated on the other half of the samples to hold the stated share of whole curves. \
+             Both are drawn where at least half of the curves exist."
+        ),
+        false => " It is drawn where at least half of the curves exist.".to_owned(),
+    };
     format!(
         "{abscissa}The filled band is pointwise: at each frequency 90 % of the curves lie inside, but fewer curves stay \
-         inside everywhere. The dashed band {shape} and calibrated on the other half of the samples to hold the stated \
-         share of whole curves. Both are drawn where at least half of the curves exist. For the peak itself use the \
-         envelopes."
+         inside everywhere.{dashed} For the peak itself use the envelopes."
     )
+}
+
+/// The scatter of the response as the page shows it.
+pub(super) struct Scatter {
+    /// One panel per level.
+    pub figures: Vec<Figure>,
+    /// What the bands are, in words.
+    pub meaning: String,
+    /// Whether a panel has a band of whole curves.
+    pub whole: bool,
 }
 
 /// Bands of the curves of one population at one level: of all samples, or of those of an outer point.
@@ -202,19 +223,24 @@ impl LevelBands {
 
 /// One panel per level: 5 %, 50 % and 95 % of the response at each frequency, the band of whole curves, and the nominal
 /// response.
-pub(super) fn bands(view: &View) -> Vec<Figure> {
+pub(super) fn scatter(view: &View) -> Scatter {
     let groups = outer_groups(view.input.outcomes);
     let levels = 0..view.n_levels();
     let levels: Vec<LevelBands> = levels.map(|i| LevelBands::of(view, i, &groups)).collect();
-    let strips = levels.iter().flat_map(|level| &level.strips).flatten();
-    let top = strips.fold(largest_linear_amplitude(view), |top, strip| {
+    let strips = || levels.iter().flat_map(|level| &level.strips).flatten();
+    let top = strips().fold(largest_linear_amplitude(view), |top, strip| {
         let whole = strip.whole.map_or(0.0, |ends| ends[1]);
         top.max(strip.outer[1]).max(whole)
     });
+    let whole = strips().any(|strip| strip.whole.is_some());
     let panels = levels.iter().enumerate();
-    panels
-        .map(|(i, level)| band_panel(view, i, level, top))
-        .collect()
+    Scatter {
+        figures: panels
+            .map(|(i, level)| band_panel(view, i, level, top))
+            .collect(),
+        meaning: meaning(view, whole),
+        whole,
+    }
 }
 
 impl CurveBands {
@@ -329,6 +355,10 @@ fn caption(bands: &CurveBands, drawn: bool) -> String {
     let pointwise = match inside {
         None => "No sample has a response curve.".to_owned(),
         Some(_) if !drawn => "No frequency is reached by half of the curves.".to_owned(),
+        Some(inside) if bands.curves == 1 => match inside.estimate == 1.0 {
+            true => "1 curve, wholly inside the pointwise band.".to_owned(),
+            false => "1 curve, not wholly inside the pointwise band.".to_owned(),
+        },
         Some(inside) => format!(
             "{}, {} of them wholly inside the pointwise band.",
             count(bands.curves, "curve"),
@@ -343,9 +373,38 @@ fn caption(bands: &CurveBands, drawn: bool) -> String {
             count(band.calibration.total(), "sample")
         ),
         Err(_) if bands.curves == 0 => String::new(),
-        Err(refusal) => format!(" No band of whole curves: {refusal}."),
+        Err(refusal) => {
+            let number = refusal.enough(CONTENT);
+            let samples = number.map_or_else(String::new, |n| {
+                format!(
+                    " (`curve_samples = {}`, of as many `samples` or more)",
+                    2 * n
+                )
+            });
+            format!(" No band of whole curves: {}{samples}.", in_words(refusal))
+        }
     };
     pointwise + &whole
+}
+
+/// Why there is no band of whole curves, and what would suffice.
+fn in_words(refusal: &EnvelopeRefusal) -> String {
+    let (
+        Some(enough),
+        EnvelopeRefusal::NotEnclosed {
+            inside,
+            calibrating,
+            ..
+        },
+    ) = (refusal.enough(CONTENT), refusal)
+    else {
+        return refusal.to_string();
+    };
+    format!(
+        "{inside} of {} can be enclosed, too few for {} of whole curves; {enough} suffice if all further ones can be enclosed",
+        count(*calibrating, "calibrating sample"),
+        percent(CONTENT)
+    )
 }
 
 /// The same over outer points.
@@ -374,7 +433,8 @@ fn caption_of_points(points: &[CurveBands], drawn: bool) -> String {
             percent(held.into_iter().fold(1.0, f64::min))
         ),
         Err((outer, refusal)) => {
-            format!(" No band of whole curves: at outer point {outer} {refusal}.")
+            let reason = in_words(&refusal);
+            format!(" No band of whole curves: at outer point {outer} {reason}.")
         }
     };
     pointwise + &whole

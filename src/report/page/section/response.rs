@@ -1,6 +1,6 @@
 //! Forced response: nominal curves, the cloud of peaks, and the band of the curves level by level.
 
-use super::curve_bands::{bands, meaning};
+use super::curve_bands::scatter;
 use super::response_frame::{
     FREQUENCY, add_linear_curves, amplitude_axis, assessed, largest_linear_amplitude, unstable,
     window,
@@ -40,7 +40,9 @@ pub(super) fn section(view: &View) -> Section {
         }
     };
     let cross = shows_unstable(view).then(|| Key::new(Mark::Cross, "", "unstable"));
-    let whole = Key::new(Mark::Line, "line wide grey", "95 % of whole curves");
+    let scatter = scatter(view);
+    let whole =
+        (scatter.whole).then(|| Key::new(Mark::Line, "line wide grey", "95 % of whole curves"));
     let mut first: Vec<Figure> = nominal_responses(view).into_iter().collect();
     first.push(cloud(view));
     Section {
@@ -53,14 +55,14 @@ pub(super) fn section(view: &View) -> Section {
             Block::Legend(
                 band_keys
                     .into_iter()
-                    .chain([whole])
+                    .chain(whole)
                     .chain(line)
                     .chain(cross)
                     .chain(linear())
                     .collect(),
             ),
-            Block::triples(bands(view)),
-            Block::Hint(meaning(view)),
+            Block::triples(scatter.figures),
+            Block::Hint(scatter.meaning),
         ],
     }
 }

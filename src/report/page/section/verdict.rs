@@ -199,7 +199,10 @@ fn as_intervals_cell(result: &CriterionResult) -> Cell {
             let (word, class) = badge(found.judgement, None, result.indication);
             Cell::text(word)
                 .with_badge(class)
-                .with_small(format!("{} as intervals", found.inputs.join(", ")))
+                .with_small(match found.inputs.as_slice() {
+                    [one] => format!("{one} as an interval"),
+                    several => format!("{} as intervals", several.join(", ")),
+                })
                 .with_small(found.basis.clone())
                 .with_class("text prose")
         }
@@ -210,10 +213,6 @@ fn as_intervals_cell(result: &CriterionResult) -> Cell {
 fn trust_cell(view: &View, level: &LevelResult, show: &dyn Fn(f64) -> String) -> Cell {
     let counted = &level.counted;
     let error = &level.numerical_error;
-    let moved = [(error.lower, "below"), (error.upper, "above")].map(|(width, side)| match width {
-        Some(width) => format!("{} {side}", show(width)),
-        None => format!("no number {side}, where it is open"),
-    });
     let numbers = [counted.samples, counted.broken, counted.unknown].map(|n| Some(n as f64));
     let unknown = match counted.unknown {
         0 => String::new(),
@@ -236,9 +235,21 @@ fn trust_cell(view: &View, level: &LevelResult, show: &dyn Fn(f64) -> String) ->
     .with_raw([error.lower, error.upper])
     .with_small(unknown)
     .with_small(answers)
-    .with_small(format!("numerical error widens by {}", moved.join(", ")))
+    .with_small(widened([error.lower, error.upper], show))
     .with_small(not_in_it)
     .with_class("text prose")
+}
+
+/// By how much the numerical error moves the lower and the upper limit of an interval; a side without a number is open.
+fn widened(sides: [Option<f64>; 2], show: &dyn Fn(f64) -> String) -> String {
+    match sides.map(|side| side.map(show)) {
+        [Some(lower), Some(upper)] => {
+            format!("numerical error widens by {lower} below, {upper} above")
+        }
+        [None, Some(upper)] => format!("numerical error widens by {upper} above; below open"),
+        [Some(lower), None] => format!("numerical error widens by {lower} below; above open"),
+        [None, None] => "open on both sides, with or without numerical error".to_owned(),
+    }
 }
 
 /// Bounds that hold for 95 % of the assumed prior with 95 % confidence.
