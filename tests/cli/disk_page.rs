@@ -62,10 +62,29 @@ fn engine_orders_of_a_disk_come_to_one_page() {
     assert_eq!(solve.status.code(), Some(0), "{solve:?}");
 }
 
+/// The figure of this title.
+fn figure<'a>(page: &'a str, title: &str) -> &'a str {
+    let start = page.find(&format!("aria-label=\"{title}")).unwrap();
+    &page[start..start + page[start..].find("</figure>").unwrap()]
+}
+
+/// Order 15 of 12 sectors is nodal diameter 3 for the third time: the excitation at both speeds is drawn over orders 0 to 6, 6 to 12 and
+/// 12 to 18. Seen to fail with the program before, which drew orders up to 12.
+#[test]
+fn the_excitation_is_folded_up_to_the_highest_order() {
+    let folder = tempfile::tempdir().unwrap();
+    solved(folder.path(), &[15]);
+    let disk = ["disk", "order-15", "--output", "disk", "--quiet"];
+    let output = microslip(folder.path(), &disk);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let page = std::fs::read_to_string(folder.path().join("disk/disk.html")).unwrap();
+    let lines = figure(&page, "SAFE diagram").matches("class=\"line order\"");
+    assert_eq!(lines.count(), 2 * 3);
+}
+
 /// Heights of the band of each engine order in the Campbell diagram.
 fn bands(page: &str) -> Vec<[f64; 2]> {
-    let start = page.find("aria-label=\"Campbell diagram").unwrap();
-    let figure = &page[start..start + page[start..].find("</figure>").unwrap()];
+    let figure = figure(page, "Campbell diagram");
     let paths = figure.split("class=\"band range\"").skip(1);
     let heights = paths.map(|path| {
         let data = path.split("d=\"").nth(1).unwrap();

@@ -25,11 +25,14 @@ pub(super) fn section(view: &View) -> Section {
         Key::new(Mark::Line, "line order", "engine order, or speed"),
         Key::new(Mark::Band, "speeds", "range of speeds"),
     ]);
+    if !view.disk.dwell_rpm.is_empty() {
+        keys.push(Key::new(Mark::Line, "rule limit", "speed that is held"));
+    }
     let figures = vec![campbell(view), safe(view), amplitudes(view)];
     let hint = "Bars: 1 %, 50 % and 99 % of the samples, by level; with epistemic inputs the lowest, middle and highest of the \
                 outer points. The SAFE diagram shows which nodal diameter resonates at which frequency; the lines are the \
                 excitation at the ends of the range of speeds, which meets a nodal diameter by the engine order of the same \
-                number (or the folded one). The frequencies are the same at all speeds: centrifugal stiffening enters by the \
+                number or one that folds onto it. The frequencies are the same at all speeds: centrifugal stiffening enters by the \
                 study's model only.";
     Section {
         id: "diagrams",
@@ -156,13 +159,11 @@ fn safe(view: &View) -> Figure {
     let y = Axis::linear("Frequency (Hz)", low, high);
     let mut panel = Panel::new(Size::Large, "SAFE diagram", view.nodal_axis(), y);
     families(view, &mut panel);
-    let half = view.disk.sectors as f64 / 2.0;
     for speed in view.disk.speed_rpm {
-        let there = [0.0, half].map(|order| (order, excitation_hz(order, speed)));
-        panel.line("order", there.into_iter());
-        let folded = [half, 2.0 * half];
-        let back = folded.map(|order| (2.0 * half - order, excitation_hz(order, speed)));
-        panel.line("order", back.into_iter());
+        for ends in folded_orders(view) {
+            let ends = ends.map(|(order, diameter)| (diameter, excitation_hz(order, speed)));
+            panel.line("order", ends.into_iter());
+        }
     }
     for (order, i, level) in view.bars() {
         let Some([lower, middle, upper]) = level.frequency_hz else {
@@ -187,7 +188,26 @@ fn safe(view: &View) -> Figure {
     view.figure(&panel, "safe", caption)
 }
 
-/// The linear frequencies in sight over the nodal diameter: free and stuck.
+/// Ranges of engine orders, as (order, nodal diameter) at both ends, in which the nodal diameter goes through all its values once: up for
+/// orders from 0 to N/2, down to N, up again. As many as the orders of the runs need, and two at least.
+fn folded_orders(view: &View) -> Vec<[(f64, f64); 2]> {
+    let half = view.disk.sectors as f64 / 2.0;
+    let orders = view.disk.orders.iter().map(|o| f64::from(o.engine_order));
+    let highest = orders.fold(2.0 * half, f64::max);
+    let folds = (highest / half).ceil() as usize;
+    let range = |fold: usize| {
+        let from = fold as f64 * half;
+        let diameters = match fold % 2 {
+            0 => [0.0, half],
+            _ => [half, 0.0],
+        };
+        [(from, diameters[0]), (from + half, diameters[1])]
+    };
+    (0..folds).map(range).collect()
+}
+
+/// The linear frequencies in sight over the nodal diameter: free and stuck. A family has gaps where the list of a nodal diameter ends
+/// below it.
 fn families(view: &View, panel: &mut Panel) {
     let diameters = &view.disk.nodal_diameters;
     let [low, high] = view.window;
@@ -196,11 +216,13 @@ fn families(view: &View, panel: &mut Panel) {
         ("stuck", |diameter| &diameter.stuck_hz),
     ];
     for (class, frequencies) in shown {
-        let families = diameters.iter().map(|d| frequencies(d).len()).min();
+        let families = diameters.iter().map(|d| frequencies(d).len()).max();
         for family in 0..families.unwrap_or(0) {
-            let points =
-                (diameters.iter()).map(|d| (d.nodal_diameter as f64, frequencies(d)[family]));
-            let points: Vec<(f64, f64)> = points.collect();
+            let point = |d: &NodalRecord| {
+                let frequency = frequencies(d).get(family).copied();
+                (d.nodal_diameter as f64, frequency.unwrap_or(f64::NAN))
+            };
+            let points: Vec<(f64, f64)> = diameters.iter().map(point).collect();
             if points.iter().any(|(_, f)| (low..=high).contains(f)) {
                 panel.line(class, points.into_iter());
             }
