@@ -64,7 +64,7 @@ use study_arguments::StudyArguments;
 
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
-/// Exit code of a run that was stopped.
+/// Exit code of a command that was stopped.
 const STOPPED: u8 = 3;
 
 /// Version, with the commit where the build was told it (`MICROSLIP_COMMIT` in its environment).
@@ -168,6 +168,14 @@ impl Command {
         }
     }
 
+    /// Whether it takes signals itself: to keep what is solved, or to end as a server does.
+    fn takes_signals(&self) -> bool {
+        matches!(
+            self,
+            Self::Run(_) | Self::Extend(_) | Self::Merge(_) | Self::Serve(_)
+        )
+    }
+
     fn execute(&self) -> Result<(), Error> {
         match self {
             Self::Run(arguments) => arguments.execute(),
@@ -201,6 +209,9 @@ pub(crate) fn main() -> ExitCode {
     // Help and version end here with 0; wrong arguments with clap's own message and 2.
     let arguments = Arguments::parse();
     let log = arguments.command.log();
+    if !arguments.command.takes_signals() {
+        run_control::end_on_signal(log);
+    }
     match arguments.command.execute() {
         Ok(()) => ExitCode::SUCCESS,
         // A reader such as `head` that has seen enough is no failure of ours.

@@ -7,8 +7,9 @@ use super::STOPPED;
 use super::log::{Event, Log};
 use clap::Args;
 use microslip::Error;
+use microslip::ensemble::parts::PartFolder;
 use microslip::ensemble::stop::Stop;
-use microslip::study::RunSettings;
+use microslip::study::{RunSettings, order_folders};
 
 /// From the wish to stop to the end of the process: time for samples that are nearly solved, and for the last part.
 const GRACE: Duration = Duration::from_secs(4);
@@ -67,11 +68,35 @@ impl Ending {
     fn end(&self) {
         self.stop.ask();
         std::thread::sleep(GRACE);
-        let message = format!(
-            "stopped in the middle of samples; all others are kept in {}, and the same command goes on",
-            self.folder.display()
-        );
+        let message = match keeps_samples(&self.folder) {
+            true => format!(
+                "stopped in the middle of samples; all others are kept in {}, and the same command goes on",
+                self.folder.display()
+            ),
+            false => "stopped before a sample was solved: the same command begins anew".to_owned(),
+        };
         self.log.write(&Event::Stopped(&message));
         std::process::exit(i32::from(STOPPED));
     }
+}
+
+/// Whether the folder of a run, or that of one of its engine orders, holds parts.
+fn keeps_samples(folder: &Path) -> bool {
+    let orders = order_folders(folder).unwrap_or_default();
+    let has_parts = |folder: &Path| {
+        let parts = PartFolder::of(folder).tables();
+        parts.is_ok_and(|tables| !tables.is_empty())
+    };
+    has_parts(folder) || orders.iter().any(|order| has_parts(order))
+}
+
+/// Ends the process on a signal, as a run ends: for commands that keep nothing on the way. Where signals cannot be taken they end it
+/// in their own way.
+pub(super) fn end_on_signal(log: Log) {
+    let _ = ctrlc::set_handler(move || {
+        let message =
+            "stopped before the end: what was computed is lost, and the same command begins anew";
+        log.write(&Event::Stopped(message));
+        std::process::exit(i32::from(STOPPED));
+    });
 }

@@ -133,6 +133,37 @@ fn calibrate_logs_its_stages_and_its_end() {
     assert!(message.contains("--chains = 1"), "{message}");
 }
 
+/// A calibration keeps nothing on the way: stopped, it says so in its last line and ends with exit code 3, as a run does. Seen to fail with
+/// the program before, which the signal killed.
+#[cfg(unix)]
+#[test]
+fn a_stopped_calibration_says_so() {
+    use assert_cmd::cargo::CommandCargoExt;
+    use std::io::{BufRead, BufReader, Read};
+    let folder = case();
+    let mut child = std::process::Command::cargo_bin("microslip")
+        .unwrap()
+        .current_dir(folder.path())
+        .args(["calibrate", "study.toml", "--measured", "response.csv"])
+        .args(["--output", "calibrated", "--draws", "100000"])
+        .args(["--log", "json"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut log = String::new();
+    // the first stage has begun
+    said.read_line(&mut log).unwrap();
+    crate::terminate(&child);
+    let status = child.wait().unwrap();
+    said.read_to_string(&mut log).unwrap();
+    assert_eq!(status.code(), Some(3), "{log}");
+    let last = lines(log.as_bytes()).pop().unwrap();
+    assert_eq!(last["event"], "stopped", "{log}");
+    let message = last["message"].as_str().unwrap();
+    assert!(message.contains("begins anew"), "{message}");
+}
+
 /// Seen to fail with the time of the curves counted among the peaks.
 #[test]
 fn the_profile_says_where_the_time_went() {
