@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::levels::{INDICATIONS, at_point};
-use super::terminal::print;
+use super::terminal::{count, print};
 use clap::Args;
 use microslip::Error;
 use microslip::report::compare::{Compared, DesignComparison, Pair, PointRanking};
@@ -66,7 +66,8 @@ fn show(out: &mut dyn Write, comparison: &DesignComparison) -> std::io::Result<(
                 show_pair(out, comparison, quantity.quantity, pair)?;
             }
             for ranking in &quantity.rankings {
-                show_ranking(out, comparison, ranking)?;
+                let tied = quantity.all_tied(ranking.outer);
+                show_ranking(out, comparison, ranking, tied)?;
             }
         }
     }
@@ -94,11 +95,14 @@ fn show_pair(
     let show = |v: f64| format!("{:.4}", v * scale);
     let median = match &pair.comparison.median_difference {
         None => "no pair is solved".to_owned(),
-        Some(median) => format!(
-            "median {} ({}) {unit}",
-            show(median.estimate),
-            median.interval.in_words(" .. ", show),
-        ),
+        Some(median) => {
+            let space = if unit.is_empty() { "" } else { " " };
+            format!(
+                "median {} ({}){space}{unit}",
+                show(median.estimate),
+                median.interval.in_words(" .. ", show),
+            )
+        }
     };
     let (first, second) = (&pair.comparison.a_better, &pair.comparison.b_better);
     let word = quantity.word();
@@ -117,7 +121,7 @@ fn show_pair(
     )?;
     match first.unknown {
         0 => writeln!(out),
-        unknown => writeln!(out, "; {unknown} pairs unknown"),
+        unknown => writeln!(out, "; {} unknown", count(unknown as u64, "pair")),
     }
 }
 
@@ -125,6 +129,7 @@ fn show_ranking(
     out: &mut dyn Write,
     comparison: &DesignComparison,
     found: &PointRanking,
+    tied: bool,
 ) -> std::io::Result<()> {
     let ranking = &found.ranking;
     let labels = ranking
@@ -132,6 +137,15 @@ fn show_ranking(
         .iter()
         .map(|&k| comparison.designs[k].label.as_str());
     let order: Vec<&str> = labels.collect();
+    let point = at_point(found.outer);
+    if tied {
+        let all = order.join(" = ");
+        return writeln!(
+            out,
+            "  {:<20} {all}{point}: no order, every pair is equal within its errors",
+            ""
+        );
+    }
     let [least, most] = [ranking.surely, ranking.possibly].map(|share| 100.0 * share);
     let holds = match least < most {
         false => format!("in {least:.1} % of the resamples"),
@@ -145,6 +159,6 @@ fn show_ranking(
         "",
         order.join(" before "),
         100.0 * found.quantile,
-        at_point(found.outer),
+        point,
     )
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::log::Event;
 use super::study_arguments::StudyArguments;
-use super::terminal::print;
+use super::terminal::{count, print};
 use super::total_mass::show_mass;
 use microslip::Error;
 use microslip::study::{FrequencyUnit, Inspection, Study, inspect};
@@ -149,17 +149,18 @@ fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     if let Some(pilot) = facts.pilot {
         writeln!(
             out,
-            "pilot               {} samples solved for it in {:.1} s of processor time",
-            pilot.samples, pilot.processor_time_s
+            "pilot               {} solved for it in {:.1} s of processor time",
+            count(pilot.samples, "sample"),
+            pilot.processor_time_s
         )?;
     }
     let threads = match facts.threads {
-        1 => "1 thread".to_owned(),
-        n => format!("{n} threads"),
+        1 => "1 thread with a core of its own".to_owned(),
+        n => format!("{n} threads, each with a core of its own"),
     };
     writeln!(
         out,
-        "wall time           about {} on {threads}, each with a core of its own",
+        "wall time           about {} on {threads}",
         duration(facts.wall_time_s)
     )
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::log::{Event, Messages};
-use super::terminal::print;
+use super::terminal::{count, print};
 use microslip::Error;
 use microslip::report::Summary;
 use microslip::report::numbers::EpistemicSummary;
@@ -36,8 +36,13 @@ pub(super) fn show_result(
     print(|out| {
         show_levels(out, &result.summary)?;
         if result.taken_over > 0 {
-            let n = result.taken_over;
-            writeln!(out, "{n} samples were solved before and taken over")?;
+            let were = if result.taken_over == 1 {
+                "was"
+            } else {
+                "were"
+            };
+            let samples = count(result.taken_over, "sample");
+            writeln!(out, "{samples} {were} solved before and taken over")?;
         }
         if let Some(reason) = &result.unfolded {
             writeln!(out, "{reason}")?;
@@ -112,8 +117,8 @@ pub(super) fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Re
         let (value, unit) = (level.level, &summary.level_unit);
         write!(
             out,
-            "level {value} {unit}: {solved} of {} samples solved",
-            summary.samples
+            "level {value} {unit}: {solved} of {} solved",
+            count(summary.samples as u64, "sample")
         )?;
         let quantiles = level
             .frequency_hz

@@ -74,7 +74,8 @@ fn show(out: &mut dyn Write, found: &Reweighting) -> std::io::Result<()> {
     }
     for level in &found.levels {
         for point in &level.points {
-            writeln!(out, "level {}{}", level.level, at_point(point.outer))?;
+            let (value, unit) = (level.level, &found.level_unit);
+            writeln!(out, "level {value} {unit}{}", at_point(point.outer))?;
             show_point(out, point)?;
         }
     }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use super::terminal::print;
+use super::terminal::{count, print};
 use clap::Args;
 use microslip::Error;
 use microslip::report::disk::{DISK_NUMBERS, order_faults};
@@ -124,11 +124,12 @@ fn whole(folder: &Path, status: &FolderStatus) -> Result<String, Error> {
     }
     let parts = status.unfinished.as_ref().map_or(0, |run| run.parts);
     let results = match &status.results {
-        Some(run) => format!("the results of {} samples", run.done),
+        Some(run) => format!("the results of {}", count(run.done, "sample")),
         None => "no whole results".to_owned(),
     };
     Ok(format!(
-        "tables, parts and report are what was written: {results}, {parts} parts"
+        "tables, parts and report are what was written: {results}, {}",
+        count(parts as u64, "part")
     ))
 }
 
@@ -164,10 +165,11 @@ fn show(out: &mut dyn Write, what: &str, run: &RunStatus) -> std::io::Result<()>
     let (done, samples, failed) = (run.done, run.samples, run.failed);
     write!(
         out,
-        "{what}: {done} of {samples} samples, {failed} without a solution at every level"
+        "{what}: {done} of {}, {failed} without a solution at every level",
+        count(samples, "sample")
     )?;
     if run.parts > 0 {
-        write!(out, ", in {} parts", run.parts)?;
+        write!(out, ", in {}", count(run.parts as u64, "part"))?;
     }
     let age = |time: SystemTime| time.elapsed().unwrap_or(Duration::ZERO).as_secs();
     if let Some(newest) = run.newest {

@@ -29,6 +29,8 @@ pub struct Reweighting {
     pub independent: bool,
     /// Confidence of every interval.
     pub confidence: f64,
+    /// Unit of the excitation levels.
+    pub level_unit: String,
     /// Number of samples and of effective samples at every outer point; one entry without epistemic inputs.
     pub weights: Vec<PointWeights>,
     /// One entry per excitation level.
@@ -137,6 +139,7 @@ impl Reweighting {
             inputs,
             independent: run.record.design.independent,
             confidence: CONFIDENCE,
+            level_unit: run.record.level_unit.clone(),
             levels: (0..run.record.levels.len()).map(level).collect(),
             weights: populations.iter().map(|(found, ..)| *found).collect(),
         })

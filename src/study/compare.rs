@@ -40,10 +40,12 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
             return Err(Error::results(folder, format!("{name} {CHANGED}")));
         }
         check(run, first).map_err(|reason| {
-            Error::results(
-                folder,
-                format!("cannot be compared with {}: {reason}", folders[0].display()),
-            )
+            let (other, extended) = (
+                folders[0].display(),
+                extended(folders[0], folder, first, run),
+            );
+            let message = format!("cannot be compared with {other}: {reason}{extended}");
+            Error::results(folder, message)
         })?;
     }
     let comparison = DesignComparison::of(folders, &runs);
@@ -56,6 +58,28 @@ fn too_few(output: &OutputFolder) -> Error {
         output.path(),
         "a comparison needs the results of two runs at least",
     )
+}
+
+/// The command that adds the samples that one of two runs lacks; empty where their number is not what differs, or cannot be reached.
+fn extended(that: &Path, this: &Path, first: &StoredRun, run: &StoredRun) -> String {
+    let [least, most] = [first, run].map(|run| run.outcomes.len() as u64);
+    let (folder, fewer, wanted) = match least < most {
+        true => (that, first, most),
+        false => (this, run, least),
+    };
+    let design = |run: &StoredRun| {
+        let (record, seed) = (&run.record.design, run.record.provenance.seed);
+        (record.kind, record.outer_points, seed)
+    };
+    let each = wanted / fewer.record.design.outer_points.max(1);
+    let reached = fewer.record.design.growth.total(each) == Some(each);
+    match least != most && design(first) == design(run) && reached {
+        true => format!(
+            "; `microslip extend {} --samples {wanted}` adds the missing samples",
+            folder.display()
+        ),
+        false => String::new(),
+    }
 }
 
 /// Whether the samples of `run` pair with those of `first` by index.

@@ -161,7 +161,7 @@ fn what_cannot_be_paired_is_refused() {
             "few",
             "samples = 10",
             "samples = 9",
-            "its design of the samples is monte-carlo, 9 samples, there monte-carlo, 10",
+            "its design of the samples is monte-carlo, 9 samples, there monte-carlo, 10 samples; `microslip extend few --samples 10` adds the missing samples",
         ),
         (
             "levels",

@@ -39,7 +39,7 @@ fn reweighted(folder: &Path) -> Value {
 }
 
 /// The old distribution changes nothing; a part of it leaves the samples inside, each with the same weight. Seen to fail
-/// with the densities exchanged.
+/// with the densities exchanged, and with levels without their unit.
 #[test]
 fn weights_are_those_of_the_densities() {
     let study = study(120, "");
@@ -50,6 +50,10 @@ fn weights_are_those_of_the_densities() {
     assert!(output.status.success(), "{output:?}");
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(table.contains("120 samples count for 120.0"), "{table}");
+    assert!(
+        table.contains("level 1 units of the harmonic force\n"),
+        "{table}"
+    );
     for level in reweighted(path)["levels"].as_array().unwrap() {
         for quantile in level["points"][0]["amplitude_m"].as_array().unwrap() {
             let [new, old] = ["reweighted", "sampled"].map(|key| &quantile[key]["estimate"]);

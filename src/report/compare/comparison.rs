@@ -280,6 +280,16 @@ impl ComparedLevel {
 }
 
 impl ComparedQuantity {
+    /// Whether no pair of designs at an outer point differs in any sample by more than its errors: an order of them says nothing.
+    #[must_use]
+    pub fn all_tied(&self, outer: Option<u64>) -> bool {
+        let mut pairs = self.pairs.iter().filter(|pair| pair.outer == outer);
+        pairs.all(|pair| {
+            let shares = [&pair.comparison.a_better, &pair.comparison.b_better];
+            shares.iter().all(|share| share.yes + share.unknown == 0)
+        })
+    }
+
     /// Shape of `designs`: designs × samples.
     fn of(quantity: Compared, designs: &[Vec<Enclosed>], runs: &[StoredRun]) -> Self {
         let bootstrap = Bootstrap {

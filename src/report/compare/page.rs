@@ -224,7 +224,7 @@ fn rankings(view: &View) -> Section {
     for (i, level) in view.comparison.levels.iter().enumerate() {
         for quantity in &level.quantities {
             for ranking in &quantity.rankings {
-                table.row(ranking_row(view, i, quantity.quantity, ranking));
+                table.row(ranking_row(view, i, quantity, ranking));
             }
         }
     }
@@ -247,7 +247,13 @@ fn outer_cell(outer: Option<u64>) -> Cell {
     )
 }
 
-fn ranking_row(view: &View, i: usize, quantity: Compared, found: &PointRanking) -> Vec<Cell> {
+fn ranking_row(
+    view: &View,
+    i: usize,
+    compared: &ComparedQuantity,
+    found: &PointRanking,
+) -> Vec<Cell> {
+    let quantity = compared.quantity;
     let ranking = &found.ranking;
     let order: Vec<&str> = ranking.order.iter().map(|&k| view.label(k)).collect();
     let best = ranking
@@ -262,7 +268,12 @@ fn ranking_row(view: &View, i: usize, quantity: Compared, found: &PointRanking) 
         view.level_cell(i),
         Cell::text(by).with_class("text"),
         outer_cell(found.outer),
-        Cell::text(order.join(" < ")).with_class("text strong"),
+        match compared.all_tied(found.outer) {
+            true => Cell::text(order.join(" = "))
+                .with_small("no order: every pair is equal within its errors"),
+            false => Cell::text(order.join(" < ")),
+        }
+        .with_class("text strong"),
         shares((ranking.surely, ranking.possibly)),
         shares(best),
     ]
@@ -271,7 +282,7 @@ fn ranking_row(view: &View, i: usize, quantity: Compared, found: &PointRanking) 
 fn pairs(view: &View) -> Section {
     let hint = "Median of the paired differences with its distribution-free 95 % confidence interval; shares of the samples \
                 in which one design is better with their Clopper and Pearson interval. Values that differ by no more than their stated \
-                numerical errors together, or by 1e-6, are ties and count for neither; a pair of \
+                numerical errors together, or by a millionth of the value (a margin: of the frequency), are ties and count for neither; a pair of \
                 which one failed or is not to be trusted is unknown and widens every interval.";
     let tables = Compared::ALL
         .into_iter()
