@@ -37,8 +37,8 @@ pub enum Input {
     /// of the contact width; the load is kept. Built-in model only.
     EdgePressure,
     /// Thickness of the strip (mm; absolute), in place of `strip_mm[2]`. The centrifugal load is that of the nominal strip and
-    /// grows with the mass, `static_load_scale` comes on top; every sample meshes and reduces the strip anew. Built-in model
-    /// only.
+    /// grows with the mass, `static_load_scale` comes on top; every sample meshes and reduces the strip anew, and keeps as many modes of it
+    /// as the nominal strip has below `strip_cut_off_hz`, wherever its own frequencies lie. Built-in model only.
     #[schemars(rename = "strip_thickness_mm")]
     StripThickness,
     /// Number by which the tractions that all contacts begin with are drawn, each evenly within its friction limit at rest. They stay
