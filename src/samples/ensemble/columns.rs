@@ -169,12 +169,12 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 40] = [
     column(
         "several_from_hz",
         "Hz",
-        "lowest frequency with several solutions, where the downward sweep jumps; null where every frequency has one",
+        "lowest frequency of the widest range with several solutions, where the downward sweep jumps; null where every frequency has one",
     ),
     column(
         "several_to_hz",
         "Hz",
-        "highest frequency with several solutions, where the upward sweep jumps",
+        "highest frequency of this range, where the upward sweep jumps",
     ),
     column(
         "largest_blade",

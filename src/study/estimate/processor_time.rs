@@ -6,7 +6,7 @@
 use super::pilot::{CostlyLevels, Pilot};
 use super::size::SolveSize;
 use crate::Error;
-use crate::ensemble::runner::generations;
+use crate::ensemble::runner::{FIRST_ANCHORS, generations};
 use crate::study::settings::read::Study;
 
 /// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
@@ -21,8 +21,12 @@ pub(super) fn estimated_time(
     };
     let levels = CostlyLevels::of(study)?;
     let of_sample = time_of_sample(study, size, levels.slipping);
-    let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
-    Ok((factor * processor_time(study, size, levels), pilot))
+    let time = processor_time(study, size, levels);
+    let time = match &pilot {
+        Some(pilot) => pilot.factor(of_sample) * time,
+        None => time + time_of_tracks(study, size, levels.slipping),
+    };
+    Ok((time, pilot))
 }
 
 /// Work of a peak at a level with slip, in factorisations of the first harmonic set, failures and the error alert included. Most of it
@@ -32,6 +36,9 @@ const WORK_OF_PREDICTED: f64 = 18.0;
 const WORK_OF_FIRST: f64 = 5.0;
 /// Number of such samples.
 const FIRST_SAMPLES: u64 = 64;
+/// What one of the very first samples of the built-in model takes more, which follows its peak from the stuck structure through the levels: of
+/// the larger harmonic sets of the alert nothing. A pilot has measured it of a model of one's own.
+const WORK_OF_TRACK: f64 = 60.0;
 /// Work of the stability of a peak.
 const WORK_OF_STABILITY: f64 = 3.0;
 /// Operations of the stability of a peak of a disk, per sector and per square of its degrees of freedom.
@@ -84,6 +91,15 @@ fn time_of_sample(study: &Study, size: SolveSize, slipping: usize) -> f64 {
     let work =
         slipping as f64 * share_of_work(study) * work_of_peaks(1, 0) + stuck as f64 * WORK_OF_STUCK;
     work * time_of_factorisation(size.unknowns)
+}
+
+/// What the samples that start from no other take more (s), contacts slipping at so many levels.
+fn time_of_tracks(study: &Study, size: SolveSize, slipping: usize) -> f64 {
+    if size.mistuned_blades.is_some() {
+        return 0.0;
+    }
+    let samples = study.samples.min(FIRST_ANCHORS) as f64;
+    samples * slipping as f64 * WORK_OF_TRACK * time_of_factorisation(size.unknowns)
 }
 
 /// Time of a mistuned disk at one level (s): a sweep that passes the resonances of all blades, and the highest maxima located.

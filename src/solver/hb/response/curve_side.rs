@@ -35,7 +35,7 @@ const STEPS: [f64; 3] = [0.4, 0.1, 2.0];
 const MOST_STEPS: usize = 400;
 /// Rounds in which solutions are added between those of the continuation.
 const MOST_ROUNDS: usize = 4;
-/// The same where contacts are linear and a solution takes little: a mode may be a hundred times as narrow as the steps.
+/// How often a segment is halved where contacts are linear and a solution takes little: a mode may be a hundred times as narrow as the steps.
 const LINEAR_ROUNDS: usize = 10;
 /// Estimated error that the step control aims at, and estimated error above which solutions are added. Kinks make the
 /// estimate too low, by a factor of two at most where it was checked.
@@ -211,11 +211,10 @@ impl<'b, 'p> CurveSide<'b, 'p> {
 
     /// Adds a solution in the middle of every segment that is not exact enough.
     pub(super) fn refine(&mut self) {
-        let rounds = match self.linear {
-            true => LINEAR_ROUNDS,
-            false => MOST_ROUNDS,
-        };
-        for _ in 0..rounds {
+        if self.linear {
+            return self.refine_linear();
+        }
+        for _ in 0..MOST_ROUNDS {
             let coarse: Vec<usize> = (0..self.lengths.len())
                 .filter(|&i| self.error(i) > ESTIMATES[1])
                 .collect();
@@ -226,16 +225,34 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         }
     }
 
+    /// The same where contacts are linear: the error is that in the middle, too, where 1/ŷ may have a pole.
+    fn refine_linear(&mut self) {
+        let mut rounds = vec![0; self.lengths.len()];
+        let mut i = 0;
+        while i < self.lengths.len() {
+            let [a, b] = [i, i + 1].map(|i| self.points[i].iterate.point.omega);
+            let middle = match rounds[i] < LINEAR_ROUNDS {
+                true => self.at(i, 0.5 * (a + b)),
+                false => None,
+            };
+            let missed = |middle: &BranchPoint<'p>| {
+                let in_middle = self.segment(i).error(&self.scales, 1.0, middle);
+                f64::max(in_middle, self.error(i)) > ESTIMATES[1]
+            };
+            match middle.filter(missed) {
+                None => i += 1,
+                Some(middle) => {
+                    self.points.insert(i + 1, middle);
+                    self.lengths.push(1.0);
+                    rounds[i] += 1;
+                    rounds.insert(i, rounds[i]);
+                }
+            }
+        }
+    }
+
     /// Whether a solution could be added in the middle of segment i.
     fn halve(&mut self, i: usize) -> bool {
-        if self.linear {
-            let [a, b] = [i, i + 1].map(|i| self.points[i].iterate.point.omega);
-            let middle = self.at(i, 0.5 * (a + b));
-            let is_found = middle.is_some();
-            self.points.splice(i + 1..i + 1, middle);
-            self.lengths.resize(self.points.len() - 1, 1.0);
-            return is_found;
-        }
         let (from, half) = (&self.points[i], 0.5 * self.lengths[i]);
         let solved = from.step(self.balance, half, self.newton);
         let Ok(iterate) = solved else {
