@@ -8,6 +8,7 @@ mod bad_input;
 mod branch_maximum;
 mod compare;
 mod control_variate;
+mod curves;
 #[path = "../common/described.rs"]
 mod described;
 mod designs;
