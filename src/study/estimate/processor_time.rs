@@ -21,11 +21,12 @@ pub(super) fn estimated_time(
     };
     let levels = CostlyLevels::of(study)?;
     let of_sample = time_of_sample(study, size, levels.slipping);
-    let time = processor_time(study, size, levels);
-    let time = match &pilot {
-        Some(pilot) => pilot.factor(of_sample) * time,
-        None => time + time_of_tracks(study, size, levels.slipping),
+    let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
+    let of_tracks = match built_in {
+        true => time_of_tracks(study, size, levels.slipping),
+        false => 0.0,
     };
+    let time = factor * processor_time(study, size, levels) + of_tracks;
     Ok((time, pilot))
 }
 
