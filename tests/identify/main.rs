@@ -5,6 +5,8 @@
 )]
 
 mod coverage;
+mod early_slip;
+mod frequency;
 mod other_laws;
 mod pooling;
 mod population;

@@ -41,6 +41,7 @@ impl Steady {
         Batches {
             loops: &self.batches,
             cycles: &self.batch_cycles,
+            rounded: self.cycles.force_resonance.is_some(),
         }
     }
 

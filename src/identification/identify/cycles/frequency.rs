@@ -22,12 +22,14 @@ const TRIGGER: f64 = 0.3;
 const STEPS: usize = 20;
 /// Part of the inverse of the record's length in which the frequency is sought around the one from crossings.
 const SEARCH: f64 = 0.5;
+/// Part of that distance beyond which the end of the interval was found, and no maximum.
+const AT_END: f64 = 0.99;
 /// Cycles over the whole record by which the phase of a stated frequency may be wrong.
 const CLOCKS: f64 = 0.01;
 /// Cycles of a record that is long enough to correct a stated frequency.
 const LONG: f64 = 5.0;
 
-/// Fundamental of `signal`, where the frequency (Hz) is stated, or is counted from crossings. None where the signal does not swing.
+/// Fundamental of `signal`, whose frequency (Hz) may be stated, and is counted from crossings. None where the signal does not swing.
 pub(super) fn fundamental(
     time: &[f64],
     signal: &[f64],
@@ -35,12 +37,18 @@ pub(super) fn fundamental(
 ) -> Option<Fundamental> {
     let rest = detrended(time, signal);
     let length = time[time.len() - 1] - time[0];
-    let start = stated.or_else(|| from_crossings(time, &rest))?;
-    let found = sharpened(time, &rest, start, SEARCH / length);
+    let held = |frequency: &f64| fitted(time, &rest, *frequency)[2];
+    // a stated frequency may be wrong: the one that is counted is sought, too, and that with the larger wave is the record's
+    let starts = stated.into_iter().chain(from_crossings(time, &rest));
+    let found = starts
+        .map(|start| sharpened(time, &rest, start, SEARCH / length))
+        .max_by(|a, b| held(a).total_cmp(&held(b)))?;
     // a stated frequency is exact but for the clocks of two instruments, which only a long record tells apart
-    let apart = (found - start).abs() * length;
-    let keep = stated.is_some() && (apart < CLOCKS || length * start < LONG);
-    let frequency = if keep { start } else { found };
+    let kept = stated.filter(|stated| {
+        let apart = (found - stated).abs() * length;
+        apart < CLOCKS || length * found < LONG
+    });
+    let frequency = kept.unwrap_or(found);
     let [a, b, share] = fitted(time, &rest, frequency);
     let phase = atan2(b, a) / TAU;
     Some(Fundamental {
@@ -78,10 +86,18 @@ fn from_crossings(time: &[f64], rest: &[f64]) -> Option<f64> {
     Some(periods as f64 / (rises[periods] - rises[0]))
 }
 
-/// The frequency within `reach` of `start` whose wave holds most of the signal, by golden section.
+/// The frequency near `start` whose wave holds most of the signal, by golden section within `reach`. An end of this interval is no
+/// maximum: from there it is sought once more, so that the whole main lobe is reached.
 fn sharpened(time: &[f64], rest: &[f64], start: f64, reach: f64) -> f64 {
-    let ends = [(start - reach).max(0.5 * start), start + reach];
-    smallest(ends, STEPS, |frequency| -fitted(time, rest, frequency)[2])
+    let within = |start: f64| {
+        let ends = [(start - reach).max(0.5 * start), start + reach];
+        smallest(ends, STEPS, |frequency| -fitted(time, rest, frequency)[2])
+    };
+    let found = within(start);
+    match (found - start).abs() > AT_END * reach {
+        true => within(found),
+        false => found,
+    }
 }
 
 /// Least squares a cos ωt + b sin ωt + c + d t: a, b, and the share of the variance that the wave holds; t from the first instant on.

@@ -19,6 +19,8 @@ pub(in crate::identify) struct Batches<'a> {
     pub(super) loops: &'a [MeanLoop],
     /// Cycles of each.
     pub(super) cycles: &'a [usize],
+    /// Whether a resonance of the force cell was taken out of them: corners are then rounded, and the start of a branch may still vibrate.
+    pub(in crate::identify) rounded: bool,
 }
 
 impl Batches<'_> {

@@ -15,6 +15,8 @@ pub(in crate::identify) struct Window<'m> {
     pub(in crate::identify) end: f64,
     /// The knee that the branch has, where a part of it slips before the whole.
     pub(in crate::identify) straightened: Option<Straightened<'m>>,
+    /// By how much the slope may be another one at the reversal than in the window, over the latter; 0 where nothing says so.
+    pub(in crate::identify) apart: f64,
 }
 
 /// How the points of a branch with a knee are put on its first slope.
@@ -74,11 +76,12 @@ pub(super) fn window<'m>(
         places,
         end,
         straightened,
+        apart: 0.0,
     })
 }
 
 /// Places between two shares of the swing, around the place where the branch passes their middle.
-fn between(share: &[Option<f64>], [begin, end]: [f64; 2]) -> Option<[usize; 2]> {
+pub(super) fn between(share: &[Option<f64>], [begin, end]: [f64; 2]) -> Option<[usize; 2]> {
     let level = |i: usize| {
         let near = &share[i.saturating_sub(1)..(i + 2).min(share.len())];
         median(&mut near.iter().copied().flatten().collect::<Vec<f64>>())
@@ -115,6 +118,20 @@ pub(super) fn is_straight(
         .is_some_and(|[fall, error]| {
             SURE_BEND * error < HIDDEN_BEND && fall <= BEND.max(SURE_BEND * error)
         })
+}
+
+/// By how much the slope at the reversal may be above that of a window, over the latter, by a bend that is surely inside it, though too
+/// small for a knee: by the line through both halves.
+pub(super) fn bend_to_reversal(
+    half: &Half,
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
+    window: &Window<'_>,
+) -> f64 {
+    let beyond = (window.end + BEGIN) / (window.end - BEGIN);
+    let fall = fall(half, cycle, batches, window.places);
+    let sure = fall.filter(|[fall, error]| *fall > SURE_BEND * error);
+    sure.map_or(0.0, |[fall, _]| beyond * fall)
 }
 
 /// By how much the slope of the second half of a window is smaller than that of the first one, and the standard error, both over
@@ -159,8 +176,13 @@ pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window<'_>) -> Optio
         }
     }
     let line = branch_line(&x[first..=last], &y[first..=last])?;
+    // any slope up to that distance is as probable
+    let of_start = window.apart / 3_f64.sqrt();
     let Some(straightened) = &window.straightened else {
-        return Some(line);
+        return Some(Line {
+            model_error: of_start * line.slope.abs(),
+            ..line
+        });
     };
     let middle = 0.5 * (x[first] + x[last]);
     let slope = straightened.mean * line.slope;
@@ -168,7 +190,7 @@ pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window<'_>) -> Optio
         slope,
         intercept: line.intercept + (line.slope - slope) * middle,
         standard_error: line.standard_error.map(|error| straightened.mean * error),
-        model_error: straightened.model_error * slope.abs(),
+        model_error: straightened.model_error.hypot(of_start) * slope.abs(),
         ..line
     })
 }

@@ -1,6 +1,7 @@
 //! The knee of a branch: how the slip limits of the parts of a contact are spread.
 
 use super::slip_limits::{PressureSpread, SlipLimits, TENTH};
+use super::weak_part::{WEAK, WeakPart, weak_parts};
 use crate::identify::golden::smallest;
 use libm::{asin, exp, log, pow};
 use std::f64::consts::FRAC_2_PI;
@@ -21,6 +22,9 @@ pub(in crate::identify) enum Knee<'m> {
     /// Those under a rigid flat punch, p = (2/π)/√(1 − t²) with t even from 0 to 1 (Johnson 1985, Contact Mechanics, sec. 2.8): none
     /// is below 2/π, few are very large.
     Punch,
+    /// A part of the contact slips early, as a loose edge does: the limits of this share of the area are spread evenly from the least to
+    /// the greatest, all others are alike.
+    Weak(WeakPart),
     /// Those of a pressure map.
     Map(&'m SlipLimits),
 }
@@ -58,7 +62,7 @@ const ONE_LIMIT: f64 = 0.5;
 /// Range of the stiffness that is tried, over the first guess, and steps of the search.
 const RANGE: [f64; 2] = [0.7, 1.6];
 const STEPS: usize = 16;
-/// Elastic swing, over that of full slip, up to which the inverse of the punch's branch is sought, and halvings of the search.
+/// Elastic swing, over that of full slip, up to which the inverse of the punch's branch is sought, and halvings of a search.
 const LONGEST_TAIL: f64 = 20.0;
 const HALVINGS: usize = 48;
 /// Distance of a branch from the nearest knee of this family, as a share of the swing: no contact is exactly one of them.
@@ -88,6 +92,7 @@ impl Knee<'_> {
                 let t = (1.0 - (FRAC_2_PI / x).powi(2)).sqrt();
                 FRAC_2_PI * asin(t) + x * (1.0 - t)
             }
+            Self::Weak(part) => part.share(x),
             Self::Map(limits) => limits.share(x),
         }
     }
@@ -103,6 +108,7 @@ impl Knee<'_> {
             } => pow((1.0 - (x - m) / ((1.0 - m) * (1.0 + q))).max(0.0), q),
             Self::Punch if x <= FRAC_2_PI => 1.0,
             Self::Punch => 1.0 - (1.0 - (FRAC_2_PI / x).powi(2)).sqrt(),
+            Self::Weak(part) => part.above(x),
             Self::Map(limits) => limits.above(x),
         }
     }
@@ -131,19 +137,23 @@ impl Knee<'_> {
                 m + (1.0 - m) * (1.0 + q) * (1.0 - pow(1.0 - w, 1.0 / (1.0 + q)))
             }
             Self::Punch if share <= FRAC_2_PI => share,
-            Self::Punch => {
-                let [mut low, mut high] = [FRAC_2_PI, LONGEST_TAIL];
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (low + high);
-                    match self.share(middle) < share {
-                        true => low = middle,
-                        false => high = middle,
-                    }
-                }
-                0.5 * (low + high)
-            }
+            Self::Punch => self.halved([FRAC_2_PI, LONGEST_TAIL], share),
+            Self::Weak(part) if share <= part.least => share,
+            Self::Weak(part) => self.halved([part.least, part.rest()], share),
             Self::Map(limits) => limits.elastic(share),
         }
+    }
+
+    /// The elastic swing at a share of the swing, between two of them, by halving.
+    fn halved(&self, [mut low, mut high]: [f64; 2], share: f64) -> f64 {
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match self.share(middle) < share {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        0.5 * (low + high)
     }
 }
 
@@ -194,13 +204,15 @@ fn possible(spread: PressureSpread<'_>) -> Vec<(Knee<'_>, f64)> {
             let knees = family(&EXPONENTS);
             let others = (1.0 - ONE_LIMIT) / (knees.len() - 1) as f64;
             let before = [ONE_LIMIT].into_iter().chain(std::iter::repeat(others));
-            knees.into_iter().zip(before).collect()
+            knees.into_iter().zip(before).chain(weak(WEAK)).collect()
         }
         PressureSpread::EvenArea(stated) => {
             let before =
                 |knee: &Knee<'_>| exp(-0.5 * ((knee.even_area() - stated) / OF_MAP).powi(2));
             let knees = family(&[&FINE_EXPONENTS[..], &EXPONENTS].concat()).into_iter();
-            knees.map(|knee| (knee, before(&knee))).collect()
+            let each = 1.0 / knees.len() as f64;
+            let alike = knees.map(|knee| (knee, each)).chain(weak(WEAK));
+            alike.map(|(knee, p)| (knee, p * before(&knee))).collect()
         }
         PressureSpread::Map(known) => {
             let maps = known.maps().iter();
@@ -208,6 +220,13 @@ fn possible(spread: PressureSpread<'_>) -> Vec<(Knee<'_>, f64)> {
                 .collect()
         }
     }
+}
+
+/// Contacts with a weak part, of this probability together.
+fn weak<'m>(together: f64) -> impl Iterator<Item = (Knee<'m>, f64)> {
+    let parts = weak_parts();
+    let each = together / parts.len() as f64;
+    parts.into_iter().map(move |part| (Knee::Weak(part), each))
 }
 
 /// Knees with these exponents that are tried where no map is known; the first is one limit for all.

@@ -1,10 +1,11 @@
 //! Where the mean loop of a test sticks and where it slips; the same places then serve every loop of the test.
 
-use super::branch::{Straightened, Window, is_straight, slope, window};
+use super::branch::{Straightened, Window, bend_to_reversal, is_straight, slope, window};
 use super::half::{Ends, Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
 use super::plateau::{level, plateau};
 use super::slip_limits::PressureSpread;
+use super::start::steeper;
 use crate::identify::cycles::mean_loop::MeanLoop;
 use crate::identify::cycles::scatter::Batches;
 
@@ -113,11 +114,15 @@ fn found<'m>(
         false => (sides_of(levels), windows(&sides_of(levels))),
     };
     // a known knee is no guess: a straight branch has it, too
-    let known = matches!(spread, PressureSpread::Map(_));
-    let bends = || plateaus.is_some() && (known || !are_straight(cycle, &sides, &first));
+    let given = matches!(spread, PressureSpread::Map(_));
+    let bends = || plateaus.is_some() && (given || !are_straight(cycle, &sides, &first));
+    let known = |windows: [Option<Window<'m>>; 2]| {
+        [0, 1].map(|side| windows[side].map(|window| sides[side].known(cycle, window)))
+    };
     let windows = match sought == Sought::Knee || bends() {
-        true => with_knee(cycle, &sides, stick, spread),
-        false => first,
+        true if given => with_knee(cycle, &sides, stick, spread),
+        true => better(known(with_knee(cycle, &sides, stick, spread)), known(first)),
+        false => known(first),
     };
     Ok(LoopShape {
         halves,
@@ -211,6 +216,25 @@ impl<'a> Side<'a> {
         window(&self.half, cycle, self.batches, &shares, straightened)
     }
 
+    /// By how much the branch is steeper at its start than in this window, where it surely differs.
+    fn steeper(&self, cycle: &MeanLoop, window: &Window<'_>) -> Option<f64> {
+        if self.batches.rounded {
+            return None;
+        }
+        steeper(&self.half, cycle, self.batches, &self.shares(cycle), window)
+    }
+
+    /// The window with what is known of the slope at the reversal: where the branch is steeper before the window, or falls a little inside
+    /// it, that may be the slope that is sought. Of a branch with a knee a start that is less steep is an error of the knee.
+    fn known<'m>(&self, cycle: &MeanLoop, window: Window<'m>) -> Window<'m> {
+        let steeper = self.steeper(cycle, &window).unwrap_or(0.0);
+        let apart = match window.straightened {
+            Some(_) => steeper.abs(),
+            None => steeper.max(bend_to_reversal(&self.half, cycle, self.batches, &window)),
+        };
+        Window { apart, ..window }
+    }
+
     /// The branch up to well beyond its knee, for a first guess of its slope (N/m).
     fn branch(&self, cycle: &MeanLoop, stick: f64) -> Branch {
         let normal = cycle.normal.iter().sum::<f64>() / cycle.samples() as f64;
@@ -242,13 +266,30 @@ fn are_straight(
     windows: &[Option<Window<'_>>; 2],
 ) -> bool {
     let straight = |(side, window): (&Side<'_>, &Option<Window<'_>>)| {
-        window.is_some_and(|window| is_straight(&side.half, cycle, side.batches, &window))
+        window.is_some_and(|window| {
+            is_straight(&side.half, cycle, side.batches, &window)
+                && side.steeper(cycle, &window).is_none_or(|by| by < 0.0)
+        })
     };
     sides.iter().zip(windows).all(straight)
 }
 
 /// Points of a branch that tell its knee, at most.
 const MOST_POINTS: usize = 60;
+
+/// The windows with a knee, but those without one where the start of the branch contradicts the knee and not them.
+fn better<'m>(
+    knee: [Option<Window<'m>>; 2],
+    straight: [Option<Window<'m>>; 2],
+) -> [Option<Window<'m>>; 2] {
+    let error = |windows: &[Option<Window<'m>>; 2]| -> f64 {
+        windows.iter().flatten().map(|window| window.apart).sum()
+    };
+    match error(&straight) < error(&knee) {
+        true => straight,
+        false => knee,
+    }
+}
 
 /// Slope of the stick branches (N/m), of their mean compliance.
 fn stick(

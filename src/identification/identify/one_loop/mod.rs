@@ -13,3 +13,5 @@ mod normal;
 mod plateau;
 pub(super) mod slip_limits;
 mod slope;
+mod start;
+mod weak_part;

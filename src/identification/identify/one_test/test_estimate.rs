@@ -2,7 +2,7 @@
 
 use super::known::known;
 use super::series::Series;
-use super::test_notes::{notes, other_share};
+use super::test_notes::{notes, other_share, other_start};
 use super::unlike::{scatter_of, sides_apart};
 use crate::identify::cycles::cycle::{Steady, cut};
 use crate::identify::cycles::mean_loop::{MeanLoop, half_swing, noise, swing};
@@ -153,6 +153,8 @@ impl<'a> Test<'a> {
             ),
             misfit,
         };
+        let mut notes = notes(&estimate, &self.steady.cycles, record, self.settings);
+        notes.extend(other_start(&self.shape));
         TestResult {
             name: record.name.clone(),
             conditions: record.conditions.clone(),
@@ -161,7 +163,7 @@ impl<'a> Test<'a> {
                 None => TestStatus::NoSlip,
             },
             cycles: Some(self.steady.cycles),
-            notes: notes(&estimate, &self.steady.cycles, record, self.settings),
+            notes,
             estimate: Some(estimate),
             loops,
             figure: Some(figure(cycle, &self.shape, &self.mean, &fitted, &rest)),

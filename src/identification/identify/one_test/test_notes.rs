@@ -4,6 +4,7 @@ use super::range_end::range_ends;
 use super::unlike::sides_apart;
 use crate::identify::found::result::{Cycles, TestEstimate};
 use crate::identify::found::uncertain::Uncertain;
+use crate::identify::one_loop::loop_shape::LoopShape;
 use crate::identify::one_loop::slip_limits::KnownPressure;
 use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
@@ -16,6 +17,10 @@ const MOSTLY_RIG: f64 = 0.8;
 const HARDLY_KNOWN: f64 = 0.05;
 /// Energy over that of a rectangle of the same size, above which a loop that does not slip as a whole slips in part.
 const PARTIAL_SLIP: f64 = 0.01;
+/// Difference of a stated frequency from that of the record, over it, that clocks of two instruments do not make.
+const CLOCKS_APART: f64 = 1e-3;
+/// Difference of the slopes at the start of a stick branch and after it that is told: a fifth of the published accuracy.
+const STARTS_APART: f64 = 0.01;
 /// Offset of T over the force at slip that is told.
 const OFFSET: f64 = 0.05;
 
@@ -32,6 +37,19 @@ pub(super) fn other_share(record: &HysteresisRecord, pressure: &KnownPressure) -
     ((stated - found).abs() > SHARES_APART).then(|| {
         format!(
             "{stated_percent:.0} % of the area are stated to be within a tenth of the mean pressure, the pressure map has {found_percent:.0} %: the map is used"
+        )
+    })
+}
+
+/// A sentence where the start of a stick branch and the branch after it disagree on the slope.
+pub(super) fn other_start(shape: &LoopShape<'_>) -> Option<String> {
+    let windows = shape.windows.iter().flatten();
+    let apart = windows.map(|window| window.apart).fold(0.0, f64::max);
+    let percent = 100.0 * apart;
+    (apart > STARTS_APART).then(|| {
+        format!(
+            "the slope at the start of a stick branch may be another one than after it, by up to {percent:.1} %: parts of the contact may slip \
+             before the slope is taken, and the interval of the stiffness allows for it"
         )
     })
 }
@@ -65,8 +83,12 @@ fn of_cycles(cycles: &Cycles, record: &HysteresisRecord, notes: &mut Vec<String>
         && stated != cycles.frequency_hz
     {
         let found = cycles.frequency_hz;
+        let wrong = match (stated / found - 1.0).abs() > CLOCKS_APART {
+            true => "the stated frequency is wrong: ",
+            false => "",
+        };
         notes.push(format!(
-            "the frequency is stated as {stated} Hz, the record has {found:.6} Hz, which is used"
+            "{wrong}the frequency is stated as {stated} Hz, the record has {found:.6} Hz, which is used"
         ));
     }
     if cycles.steady == 1 {
