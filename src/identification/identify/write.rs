@@ -37,22 +37,27 @@ const COLUMNS: [&str; 15] = [
     "energy_j",
 ];
 
-/// Writes `identified.json`, `loops.csv` and `report.html` into `folder`, each whole or not at all.
+/// Writes `identified.json`, `loops.csv` and `report.html` into `folder`, all or none.
 ///
 /// # Errors
 /// [`IdentifyError`] if a file cannot be written.
 pub fn write(folder: &Path, identified: &Identified) -> Result<(), IdentifyError> {
     let page = html(identified)?;
-    file::replace(&folder.join(IDENTIFIED), |file| {
-        serde_json::to_writer_pretty(&mut *file, identified).map_err(IoError::from)?;
-        file.write_all(b"\n")
-    })?;
-    file::replace(&folder.join(LOOPS), |file| loops(file, identified))?;
-    file::replace(&folder.join(REPORT), |file| file.write_all(page.as_bytes()))?;
+    file::replace_all(
+        folder,
+        &[
+            (IDENTIFIED, &|file| {
+                serde_json::to_writer_pretty(&mut *file, identified).map_err(IoError::from)?;
+                file.write_all(b"\n")
+            }),
+            (LOOPS, &|file| loops(file, identified)),
+            (REPORT, &|file| file.write_all(page.as_bytes())),
+        ],
+    )?;
     Ok(())
 }
 
-fn loops(file: &mut impl Write, identified: &Identified) -> IoResult<()> {
+fn loops(file: &mut dyn Write, identified: &Identified) -> IoResult<()> {
     let mut table = csv::Writer::from_writer(file);
     table.write_record(COLUMNS)?;
     for test in &identified.tests {
