@@ -325,7 +325,7 @@ fn flat_inputs_are_judged_as_intervals_too() {
     assert!(
         study
             .page()
-            .contains("contact stiffness scale as intervals")
+            .contains("contact stiffness scale as an interval")
     );
 }
 

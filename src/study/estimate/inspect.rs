@@ -211,10 +211,7 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, linear.free.first().copied(), asymmetric)
-            .into_iter()
-            .chain(undamped)
-            .collect(),
+        warnings: warnings(study, linear.free.first().copied(), asymmetric, undamped),
         total_mass: match &rig {
             Some(rig) => Some(rig.total_mass()),
             None if excited.is_some() && !components.is_empty() => Some(mass_of(&components)),
@@ -260,7 +257,12 @@ fn pressure_field(inputs: &PressureInputs) -> Option<String> {
     (modes > 0).then_some(text)
 }
 
-fn warnings(study: &Study, flexible: Option<f64>, asymmetric: bool) -> Vec<String> {
+fn warnings(
+    study: &Study,
+    flexible: Option<f64>,
+    asymmetric: bool,
+    undamped: Option<String>,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let [low, high] = PLAUSIBLE_HZ;
     match flexible {
@@ -282,5 +284,6 @@ fn warnings(study: &Study, flexible: Option<f64>, asymmetric: bool) -> Vec<Strin
     if study.samples > 1 && study.design.inputs().is_empty() {
         warnings.push("no [inputs]: every sample will be the same".to_owned());
     }
+    warnings.extend(undamped);
     warnings
 }

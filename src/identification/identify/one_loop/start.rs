@@ -6,9 +6,10 @@ use super::slope::Line;
 use crate::identify::cycles::mean_loop::MeanLoop;
 use crate::identify::cycles::scatter::Batches;
 
-/// Shares of the swing of T between which a start is: before the window, and so far into it that it has samples; shorter ones show parts
-/// that slip still earlier.
-const STARTS: [[f64; 2]; 3] = [[0.02, 0.15], [0.02, 0.1], [0.02, 0.06]];
+/// Share of the swing of T from which on a start is...
+const FIRST: f64 = 0.02;
+/// ...and those up to which it is: so far into the window that it has samples; shorter ones show parts that slip still earlier.
+const LAST: [f64; 3] = [0.15, 0.1, 0.06];
 /// Samples after the reversal that are none of the branch: the corner of the loop lies between two samples, or is found one too early.
 const CORNER: usize = 2;
 /// Fewest samples of a start that tells its slope.
@@ -33,7 +34,9 @@ pub(super) fn steeper(
     share: &[Option<f64>],
     window: &Window<'_>,
 ) -> Option<f64> {
-    let starts = STARTS.iter().filter_map(|ends| between(share, *ends));
+    let starts = LAST
+        .iter()
+        .filter_map(|last| between(share, [FIRST, *last]));
     let starts = starts.map(|[first, last]| [first.max(CORNER), last]);
     let told = starts.filter(|[first, last]| {
         last + 1 >= first + LEAST_FOR_START && follows_motion(half, cycle, [*first, *last])

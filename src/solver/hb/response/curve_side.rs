@@ -42,6 +42,8 @@ const LINEAR_ROUNDS: usize = 10;
 const ESTIMATES: [f64; 2] = [0.1 * CURVE_ERROR, CURVE_ERROR / 3.0];
 /// Where contacts are linear: first step over the half-width of the peak, and longest step over the band.
 const LINEAR_STEPS: [f64; 2] = [0.3, 0.125];
+/// A longer segment, in half-widths of the peak, is compared with a solution in its middle.
+const LONG: f64 = 4.0;
 /// Range of the length of such a step over that of the step before.
 const LINEAR_GROWTH: [f64; 2] = [0.5, 2.0];
 /// Distance, in half-widths of a mode, from a solution at which another one tells nothing new of the mode: its amplitude has changed by 0.5 %.
@@ -225,19 +227,20 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         }
     }
 
-    /// The same where contacts are linear: the error is that in the middle, too, where 1/ŷ may have a pole.
+    /// The same where contacts are linear. The error of a long segment is that in its middle, too: 1/ŷ may have a pole there.
     fn refine_linear(&mut self) {
         let mut rounds = vec![0; self.lengths.len()];
         let mut i = 0;
         while i < self.lengths.len() {
             let [a, b] = [i, i + 1].map(|i| self.points[i].iterate.point.omega);
-            let middle = match rounds[i] < LINEAR_ROUNDS {
+            let coarse = self.error(i) > ESTIMATES[1];
+            let asked = coarse || (b - a).abs() > LONG * self.scales.width;
+            let middle = match asked && rounds[i] < LINEAR_ROUNDS {
                 true => self.at(i, 0.5 * (a + b)),
                 false => None,
             };
             let missed = |middle: &BranchPoint<'p>| {
-                let in_middle = self.segment(i).error(&self.scales, 1.0, middle);
-                f64::max(in_middle, self.error(i)) > ESTIMATES[1]
+                coarse || self.segment(i).error(&self.scales, 1.0, middle) > ESTIMATES[1]
             };
             match middle.filter(missed) {
                 None => i += 1,
