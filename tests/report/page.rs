@@ -238,13 +238,9 @@ fn pages_without_results_render() {
     page(&study.input());
 }
 
-/// Curves of one shape, peaks scattered by 0.1 %, amplitudes by 10 %: over the frequency they cross, over that of their peak
-/// they lie one above the other, 91 of 100 from the 5th to the 95th. A band of the deepest curves says so.
-///
-/// Seen to fail with the curves left over their frequency, and with every band simultaneous.
-#[test]
-fn bands_are_those_that_the_study_asks_for() {
-    let mut study = SyntheticStudy::new(100);
+/// So many samples, at the first level with curves that enclose each other.
+fn nested_curves(samples: usize) -> SyntheticStudy {
+    let mut study = SyntheticStudy::new(samples);
     for (i, outcome) in study.outcomes.iter_mut().enumerate() {
         let level = &mut outcome.levels[0];
         let peak = level.peak.as_mut().unwrap();
@@ -260,6 +256,16 @@ fn bands_are_those_that_the_study_asks_for() {
         };
         *level.around.curve_mut() = (-100..=100).map(point).collect();
     }
+    study
+}
+
+/// Curves of one shape, peaks scattered by 0.1 %, amplitudes by 10 %: over the frequency they cross, over that of their peak
+/// they lie one above the other, 91 of 100 from the 5th to the 95th. A band of the deepest curves says so.
+///
+/// Seen to fail with the curves left over their frequency, and with every band simultaneous.
+#[test]
+fn bands_are_those_that_the_study_asks_for() {
+    let mut study = nested_curves(100);
     let mut captions = |bands: Bands| {
         study.record.bands = bands;
         page(&study.input())
@@ -280,6 +286,10 @@ fn bands_are_those_that_the_study_asks_for() {
     // failed samples of the last level are more than a band of 95 % may leave out
     assert_eq!(whole(&plain), LEVELS.len() - 1);
     assert!(whole(&deepest) < whole(&plain), "{} bands", whole(&deepest));
+    let mut many = nested_curves(400);
+    many.record.bands = Bands::Depth;
+    let many = page(&many.input());
+    assert!(whole(&many) > 0 && many.contains("is spanned by the deepest curves"));
 }
 
 /// Resonances that scatter over many widths of a peak are no band over the frequency: each curve then stands over its own
