@@ -238,13 +238,13 @@ fn pages_without_results_render() {
     page(&study.input());
 }
 
-/// So many samples, at the first level with curves that enclose each other.
-fn nested_curves(samples: usize) -> SyntheticStudy {
+/// So many samples, at the first level with curves of one shape whose peaks scatter so far; over that of their peak they enclose each other.
+fn nested_curves(samples: u64, scatter: f64) -> SyntheticStudy {
     let mut study = SyntheticStudy::new(samples);
     for (i, outcome) in study.outcomes.iter_mut().enumerate() {
         let level = &mut outcome.levels[0];
         let peak = level.peak.as_mut().unwrap();
-        peak.frequency_hz = 2970.0 * (1.0 + 1e-3 * (i as f64 * 0.618_034).fract());
+        peak.frequency_hz = 2970.0 * (1.0 + scatter * (i as f64 * 0.618_034).fract());
         let point = |j: i32| {
             let t = 1e-4 * f64::from(j);
             let amplitude = 1e-7 * (1.0 + 1e-3 * i as f64);
@@ -265,7 +265,7 @@ fn nested_curves(samples: usize) -> SyntheticStudy {
 /// Seen to fail with the curves left over their frequency, and with every band simultaneous.
 #[test]
 fn bands_are_those_that_the_study_asks_for() {
-    let mut study = nested_curves(100);
+    let mut study = nested_curves(100, 1e-3);
     let mut captions = |bands: Bands| {
         study.record.bands = bands;
         page(&study.input())
@@ -286,7 +286,7 @@ fn bands_are_those_that_the_study_asks_for() {
     // failed samples of the last level are more than a band of 95 % may leave out
     assert_eq!(whole(&plain), LEVELS.len() - 1);
     assert!(whole(&deepest) < whole(&plain), "{} bands", whole(&deepest));
-    let mut many = nested_curves(400);
+    let mut many = nested_curves(400, 0.0);
     many.record.bands = Bands::Depth;
     let many = page(&many.input());
     assert!(whole(&many) > 0 && many.contains("is spanned by the deepest curves"));
