@@ -197,7 +197,12 @@ fn compared(case: Case) -> [usize; 2] {
                 seen[0] += 1;
             }
             (None, None) => {
-                assert_eq!(level.status, Status::NoPeakInBand);
+                assert_eq!(
+                    level.status,
+                    Status::NoPeakInBand,
+                    "sample {}",
+                    outcome.index
+                );
                 seen[1] += 1;
             }
             other => panic!("sample {}: {other:?}, {level:?}", outcome.index),
