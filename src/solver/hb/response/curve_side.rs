@@ -43,11 +43,12 @@ const ESTIMATES: [f64; 2] = [0.1 * CURVE_ERROR, CURVE_ERROR / 3.0];
 /// Where contacts are linear: first step over the half-width of the peak, and longest step over the band.
 const LINEAR_STEPS: [f64; 2] = [0.3, 0.125];
 /// A longer segment, in half-widths of the peak, is compared with a solution in its middle.
-const LONG: f64 = 4.0;
+const LONG: f64 = 8.0;
 /// Range of the length of such a step over that of the step before.
 const LINEAR_GROWTH: [f64; 2] = [0.5, 2.0];
-/// Distance, in half-widths of a mode, from a solution at which another one tells nothing new of the mode: its amplitude has changed by 0.5 %.
-const NEXT_TO: f64 = 0.1;
+/// Distances, in half-widths of a mode, from a solution at which one at its resonance and one a half-width beside it tell nothing new: the
+/// largest amplitude is 0.5 % above it at most, and the cubics know the width.
+const NEXT_TO: [f64; 2] = [0.1, 0.5];
 
 /// Deviation of a dynamic contact force from that of a contact that sticks or is open, over the largest one, below which it is linear.
 const LINEAR_FORCE: f64 = 1e-6;
@@ -174,7 +175,8 @@ impl<'b, 'p> CurveSide<'b, 'p> {
     ///
     /// Returns `None` if one is not found.
     pub(super) fn add(&mut self, resonance: &LinearResonance) -> Option<()> {
-        for half_widths in [-1.0, 0.0, 1.0] {
+        let [at_top, beside] = NEXT_TO;
+        for (half_widths, next_to) in [(-1.0, beside), (0.0, at_top), (1.0, beside)] {
             let omega = resonance.omega + half_widths * resonance.half_bandwidth;
             let away = |i: usize| self.points[i].iterate.point.omega - omega;
             let passes = |i: &usize| away(*i) * away(i + 1) <= 0.0;
@@ -182,7 +184,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
                 continue;
             };
             let apart = f64::min(away(i).abs(), away(i + 1).abs());
-            if apart <= NEXT_TO * resonance.half_bandwidth {
+            if apart <= next_to * resonance.half_bandwidth {
                 continue;
             }
             let found = self.at(i, omega)?;
