@@ -1,4 +1,4 @@
-//! SI units only inside; the named conversions at the edges.
+//! SI units only inside; the named conversions at the edges. Also a number with what it counts.
 //!
 //! ```
 //! # use microslip_base as microslip;
@@ -9,6 +9,8 @@
 //! assert!((force - 60.0).abs() < 1e-12);
 //! assert!((rad_s_to_hz(std::f64::consts::TAU) - 1.0).abs() < 1e-15);
 //! ```
+
+use std::fmt::Display;
 
 /// Standard acceleration of gravity (m/s²), 3rd General Conference on Weights and Measures, 1901.
 pub const STANDARD_GRAVITY: f64 = 9.80665;
@@ -53,4 +55,11 @@ pub fn m_to_um(length: f64) -> f64 {
 #[must_use]
 pub fn um_to_m(length: f64) -> f64 {
     length / 1e6
+}
+
+/// A number with what it counts: `1 sample`, `2 samples`.
+#[must_use]
+pub fn count(n: impl Display + PartialEq + From<u8>, noun: &str) -> String {
+    let plural = if n == 1.into() { "" } else { "s" };
+    format!("{n} {noun}{plural}")
 }

@@ -4,11 +4,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::levels::{INDICATIONS, at_point};
-use super::terminal::{count, print};
+use super::terminal::print;
 use clap::Args;
 use microslip::Error;
 use microslip::report::compare::{Compared, DesignComparison, Pair, PointRanking};
 use microslip::study::{OutputFolder, compare};
+use microslip::units::count;
 
 #[derive(Args)]
 pub(super) struct CompareArguments {
@@ -121,7 +122,7 @@ fn show_pair(
     )?;
     match first.unknown {
         0 => writeln!(out),
-        unknown => writeln!(out, "; {} unknown", count(unknown as u64, "pair")),
+        unknown => writeln!(out, "; {} unknown", count(unknown, "pair")),
     }
 }
 

@@ -4,10 +4,11 @@ use std::io::Write;
 
 use super::log::Event;
 use super::study_arguments::StudyArguments;
-use super::terminal::{count, print};
+use super::terminal::print;
 use super::total_mass::show_mass;
 use microslip::Error;
 use microslip::study::{FrequencyUnit, Inspection, Study, inspect};
+use microslip::units::count;
 use serde_json::json;
 
 pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {

@@ -4,11 +4,12 @@ use std::io::Write;
 use std::path::Path;
 
 use super::log::{Event, Messages};
-use super::terminal::{count, print};
+use super::terminal::print;
 use microslip::Error;
 use microslip::report::Summary;
 use microslip::report::numbers::EpistemicSummary;
 use microslip::study::{Profile, RunResult};
+use microslip::units::count;
 use serde_json::{Map, Value, json};
 
 /// What the intervals of a design without independent samples are.
@@ -118,7 +119,7 @@ pub(super) fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Re
         write!(
             out,
             "level {value} {unit}: {solved} of {} solved",
-            count(summary.samples as u64, "sample")
+            count(summary.samples, "sample")
         )?;
         let quantiles = level
             .frequency_hz

@@ -4,12 +4,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use super::terminal::{count, print};
+use super::terminal::print;
 use clap::Args;
 use microslip::Error;
 use microslip::report::disk::{DISK_NUMBERS, order_faults};
 use microslip::report::outdated;
 use microslip::study::{FolderStatus, RunStatus, order_folders};
+use microslip::units::count;
 
 #[derive(Args)]
 pub(super) struct StatusArguments {
@@ -129,7 +130,7 @@ fn whole(folder: &Path, status: &FolderStatus) -> Result<String, Error> {
     };
     Ok(format!(
         "tables, parts and report are what was written: {results}, {}",
-        count(parts as u64, "part")
+        count(parts, "part")
     ))
 }
 
@@ -169,7 +170,7 @@ fn show(out: &mut dyn Write, what: &str, run: &RunStatus) -> std::io::Result<()>
         count(samples, "sample")
     )?;
     if run.parts > 0 {
-        write!(out, ", in {}", count(run.parts as u64, "part"))?;
+        write!(out, ", in {}", count(run.parts, "part"))?;
     }
     let age = |time: SystemTime| time.elapsed().unwrap_or(Duration::ZERO).as_secs();
     if let Some(newest) = run.newest {

@@ -19,14 +19,6 @@ pub(super) fn print(
         .map_err(|source| Error::file("standard output".as_ref(), source))
 }
 
-/// `1 sample`, `2 samples`.
-pub(super) fn count(n: u64, noun: &str) -> String {
-    match n {
-        1 => format!("1 {noun}"),
-        n => format!("{n} {noun}s"),
-    }
-}
-
 /// Progress on standard error: a bar on a terminal, else a line per twentieth, and one per ten seconds for a program.
 pub(super) struct Bar {
     bar: indicatif::ProgressBar,

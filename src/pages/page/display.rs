@@ -1,5 +1,6 @@
 //! Numbers for people: units, decimals, typographic signs.
 
+pub use crate::units::count;
 use std::ops::Range;
 
 /// What stands where there is no number.
@@ -200,14 +201,6 @@ pub fn signed(text: &str) -> String {
     match digits.parse::<f64>() == Ok(0.0) {
         true => digits.to_owned(),
         false => minus_sign(text),
-    }
-}
-
-/// `1 sample`, `2 samples`.
-pub fn count(n: usize, noun: &str) -> String {
-    match n {
-        1 => format!("1 {noun}"),
-        n => format!("{n} {noun}s"),
     }
 }
 

@@ -7,6 +7,7 @@ use super::outer::OuterPoints;
 use super::pick_freeze::is_independent;
 use super::plan::{DesignKind, Growth, Plan};
 use crate::setting::BadSetting;
+use crate::units::count;
 
 /// Random inputs, how they are drawn, and the seed that all samples come from.
 ///
@@ -319,14 +320,6 @@ impl Design {
             text.push_str(&format!(" at {each}"));
         }
         text
-    }
-}
-
-/// `1 row`, `2 rows`.
-fn count(n: u64, noun: &str) -> String {
-    match n {
-        1 => format!("1 {noun}"),
-        n => format!("{n} {noun}s"),
     }
 }
 

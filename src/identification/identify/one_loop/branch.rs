@@ -149,15 +149,24 @@ fn fall(
         let line = |from: usize, to: usize| branch_line(&x[from..to], &y[from..to]);
         line(first, middle).zip(line(middle, last + 1))
     };
+    let ([early, late], error) = two_slopes(cycle, batches, lines)?;
+    (count >= LEAST_FOR_BEND && early > 0.0).then(|| [(early - late) / early, error])
+}
+
+/// Slopes of two lines of a branch, the earlier one first, and the standard error of their difference over the earlier one. Noise of the
+/// displacement is even in the compliance: the fall of the slope is the rise of the compliance over that of the later line.
+pub(super) fn two_slopes(
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
+    lines: impl Fn(&MeanLoop) -> Option<(Line, Line)>,
+) -> Option<([f64; 2], f64)> {
     let (early, late) = lines(cycle)?;
-    let over = early.slope;
-    let inside = early.standard_error?.hypot(late.standard_error?) / over;
+    let inside = early.standard_error?.hypot(late.standard_error?) / early.slope;
     let rise = |(early, late): (Line, Line)| 1.0 / late.slope - 1.0 / early.slope;
     let of_batches = batches.error(|one| lines(one).map(rise));
-    // the fall is the rise of the compliance over that of the second half
     let of_batches = of_batches.map(|error| late.slope.abs() * error.standard_error);
     let error = of_batches.map_or(inside, |error| error.max(inside));
-    (count >= LEAST_FOR_BEND && over > 0.0).then(|| [(over - late.slope) / over, error])
+    Some(([early.slope, late.slope], error))
 }
 
 /// The line of the branch in its window, force in the direction of the motion over the displacement since the reversal. With a knee its

@@ -1,8 +1,7 @@
 //! Whether a branch is steeper at its start than where its slope is taken: then a part of the contact has slipped before.
 
-use super::branch::{Window, between, slope};
+use super::branch::{Window, between, slope, two_slopes};
 use super::half::Half;
-use super::slope::Line;
 use crate::identify::cycles::mean_loop::MeanLoop;
 use crate::identify::cycles::scatter::Batches;
 
@@ -74,13 +73,6 @@ fn difference(
     [start, window]: [&Window<'_>; 2],
 ) -> Option<[f64; 2]> {
     let lines = |cycle: &MeanLoop| slope(half, cycle, start).zip(slope(half, cycle, window));
-    let (early, late) = lines(cycle)?;
-    let over = early.slope;
-    let inside = early.standard_error?.hypot(late.standard_error?) / over;
-    // noise of the displacement is even in the compliance
-    let rise = |(early, late): (Line, Line)| 1.0 / late.slope - 1.0 / early.slope;
-    let of_batches = batches.error(|one| lines(one).map(rise));
-    let of_batches = of_batches.map(|error| late.slope.abs() * error.standard_error);
-    let error = of_batches.map_or(inside, |error| error.max(inside));
-    (late.slope > 0.0 && over > 0.0).then(|| [over / late.slope - 1.0, error])
+    let ([early, late], error) = two_slopes(cycle, batches, lines)?;
+    (late > 0.0 && early > 0.0).then(|| [early / late - 1.0, error])
 }
