@@ -63,7 +63,7 @@ pub(crate) fn memory() {
 
 fn record(provenance: Provenance, names: &[String]) -> RunRecord {
     let linear = |frequency_hz: f64| LinearRecord {
-        frequency_hz,
+        frequency_hz: Some(frequency_hz),
         curve: Vec::new(),
     };
     let input = |name: &String| InputRecord {

@@ -118,7 +118,7 @@ class Model:
     """The model of a study: values of the inputs to resonance frequency, amplitude and status at every level.
 
     Results are the same bits for the same anchors, whatever the number of threads, the other points and their order. They agree
-    with the samples of a run to the tolerance of a peak (1e-9 of the frequency). Made by :meth:`Study.model`.
+    with the samples of a run to 1e-8 in frequency. Made by :meth:`Study.model`.
     """
 
     def __init__(self, study: Study, native: _native.Evaluator) -> None:

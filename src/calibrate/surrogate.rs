@@ -131,7 +131,8 @@ fn fit(
     let found = cross_fit(&samples, &hold_out, &ChaosSettings::default());
     let found = found.map_err(|refusal| match refusal {
         ChaosRefusal::TooFew { valid, needed } => format!(
-            "{valid} solved samples are left where one of {PARTS} parts is held out, {needed} are needed: take more (--samples)"
+            "{valid} solved samples are left where one of {PARTS} parts is held out, {needed} are needed: take enough for {} solved ones (--samples)",
+            (needed * PARTS).div_ceil(PARTS - 1)
         ),
         other => other.to_string(),
     })?;

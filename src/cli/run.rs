@@ -18,7 +18,7 @@ use microslip::gpu::GpuSettings;
 use microslip::report::Summary;
 use microslip::report::run::order_folder;
 use microslip::study::{
-    OutputFolder, RunSettings, ShareResult, Study, check_folder, join, run, solve_share,
+    OutputFolder, RunSettings, ShareResult, Study, check_band, check_folder, join, run, solve_share,
 };
 use serde_json::json;
 
@@ -86,6 +86,7 @@ impl RunArguments {
             let (study, folder) = (study.of_engine_order(order)?, OutputFolder::open(&own)?);
             // the last order is not to be refused after hours for the others
             self.check(&study, &folder, &settings)?;
+            check_band(&study)?;
             Ok((study, folder))
         };
         let studies: Vec<_> = orders.iter().map(of_order).collect::<Result<_, Error>>()?;

@@ -99,7 +99,7 @@ pub use runs::join::join;
 pub use runs::merge::merge;
 pub use runs::profile::{Profile, Stage};
 pub use runs::progress::Progress;
-pub use runs::run::{check_folder, run};
+pub use runs::run::{check_band, check_folder, run};
 pub use runs::run_result::RunResult;
 pub use runs::run_settings::RunSettings;
 pub use runs::share::{Share, ShareResult, solve_share};

@@ -16,6 +16,7 @@ fn run(folder: &Path, engine_order: u32) -> StoredRun {
     let mut study = SyntheticStudy::new(60);
     let nodal = |nodal_diameter: usize| NodalRecord {
         nodal_diameter,
+        rigid_modes: 0,
         free_hz: vec![2960.0 + nodal_diameter as f64],
         stuck_hz: vec![2968.0 + nodal_diameter as f64],
     };

@@ -1,6 +1,7 @@
 //! The engine orders of a tuned disk on one page.
 
 use super::bad_input::assert_refused;
+use super::bad_input::disk_cases::{DISK, DISK_FILES};
 use super::disk::{solve_study, solved};
 use crate::microslip;
 use serde_json::Value;
@@ -80,6 +81,52 @@ fn the_excitation_is_folded_up_to_the_highest_order() {
     let page = std::fs::read_to_string(folder.path().join("disk/disk.html")).unwrap();
     let lines = figure(&page, "SAFE diagram").matches("class=\"line order\"");
     assert_eq!(lines.count(), 2 * 3);
+}
+
+/// Hubs and blades that nothing but contacts hold move as rigid bodies in nodal diameter 0 alone, where the lowest family has no point and
+/// the next one goes on. Seen to fail with the program before, which joined the second mode of nodal diameter 0 to the first of nodal
+/// diameter 1.
+#[test]
+fn rigid_body_modes_of_one_nodal_diameter_shift_no_family() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let held = DISK_FILES.map(|(name, text)| (name, text.replace("1 1 4e6", "1 1 3e6")));
+    for (name, text) in held {
+        std::fs::write(path.join(name), text).unwrap();
+    }
+    let to_ground = "k_t1 = 2e5\nt2 = { \"blade.x\" = 1.0 }\nk_t2 = 1e5";
+    let study = DISK
+        .replace("engine_orders = [3]", "engine_orders = [1, 5]")
+        .replace("levels = [1.0]", "levels = [1e-3]\nsamples = 1")
+        .replace("k_t1 = 2e5", to_ground)
+        .replace("[100, 400]", "[50, 700]");
+    solve_study(path, "disk", &study);
+    let page = std::fs::read_to_string(path.join("disk/disk.html")).unwrap();
+    let lines = figure(&page, "SAFE diagram").split("class=\"line free\" d=\"");
+    let points: Vec<usize> = (lines.skip(1))
+        .map(|line| line.split('"').next().unwrap().matches(['M', 'L']).count())
+        .collect();
+    assert_eq!(points, [6, 7], "nodal diameters 1 to 6 and 0 to 6");
+}
+
+/// An engine order whose nodal diameter has no mode in the band is refused before the other orders are solved, not after them. Seen to fail
+/// with the program before, which solved order 3 first and named no order.
+#[test]
+fn orders_without_a_mode_in_the_band_are_refused_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for (name, text) in DISK_FILES {
+        std::fs::write(path.join(name), text).unwrap();
+    }
+    let study = DISK
+        .replace("engine_orders = [3]", "engine_orders = [3, 5]")
+        .replace("[100, 400]", "[210, 225]");
+    std::fs::write(path.join("study.toml"), study).unwrap();
+    let run = microslip(path, &["run", "study.toml", "--output", "out"]);
+    let rule = "the band 210 Hz to 225 Hz holds no natural frequency of the structure with stuck or with open contacts in nodal \
+                diameter 5, which engine order 5 excites";
+    assert_refused("order 5", &run, &[rule]);
+    assert!(!path.join("out/order-3/samples.parquet").exists());
 }
 
 /// Heights of the band of each engine order in the Campbell diagram.

@@ -453,7 +453,7 @@ fn the_contact_grid_is_in_the_budget() {
         relative: 0.1,
     });
     let (line, highest) = row(&study);
-    let shift = highest - study.record.free.frequency_hz;
+    let shift = highest - study.record.free.frequency_hz.unwrap();
     let found = line.frequency_hz.unwrap();
     assert!((found - 0.1 * shift).abs() < 1e-12, "{found}");
     assert_eq!(line.amplitude_relative, None);

@@ -234,7 +234,7 @@ fn pages_without_results_render() {
     study.record.nominal = None;
     study.record.free.curve.clear();
     study.record.stuck.curve.clear();
-    study.record.free.frequency_hz = f64::NAN;
+    study.record.free.frequency_hz = None;
     page(&study.input());
 }
 

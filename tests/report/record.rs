@@ -38,7 +38,7 @@ fn spoil(study: &mut SyntheticStudy) {
             peak.residual = f64::NAN;
         }
     }
-    study.record.free.frequency_hz = f64::NAN;
+    study.record.free.frequency_hz = None;
 }
 
 /// Seen to fail with the curves not read back, and with JSON numbers read to the last digit but one.

@@ -171,11 +171,11 @@ fn record() -> RunRecord {
         bands: Bands::default(),
         level_unit: "N".to_owned(),
         free: LinearRecord {
-            frequency_hz: FREE,
+            frequency_hz: Some(FREE),
             curve: lorentz(FREE, FREE_AMPLITUDE, 0.6, 30.0),
         },
         stuck: LinearRecord {
-            frequency_hz: STUCK,
+            frequency_hz: Some(STUCK),
             curve: lorentz(STUCK, 3.30e-6, 0.68, 30.0),
         },
         nominal: Some(nominal),

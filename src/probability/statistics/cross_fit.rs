@@ -122,10 +122,11 @@ pub fn cross_fit(
             .unzip();
         fit_chaos(samples.basis, &inputs, &results, settings)
     };
-    let whole = fit(None)?;
+    // the first part is held out of the fewest samples, so a refusal counts those
     let expansions: Vec<Chaos> = (0..parts)
         .map(|part| fit(Some(part)))
         .collect::<Result<_, _>>()?;
+    let whole = fit(None)?;
     let held = (0..n).map(|place| {
         let (i, part) = (order[place], place % parts);
         HeldOut {

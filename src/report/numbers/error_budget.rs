@@ -1,7 +1,7 @@
 //! What each approximation can change; the ignorance of the inputs is not among them.
 
 use super::distribution::Distribution;
-use super::peak_error::{half_power_ratio, harmonics_shift};
+use super::peak_error::{half_power_ratio, harmonics_shift, place_error};
 use super::peaks::usable_peak;
 use super::summary::{LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
@@ -193,9 +193,9 @@ fn place_of_peak(record: &RunRecord, summary: &Summary) -> ErrorLine {
     let frequency = largest(populations(summary).into_iter().map(highest));
     ErrorLine {
         source: PLACE,
-        frequency_hz: frequency.map(|f| f * record.frequency_tolerance),
+        frequency_hz: frequency.map(|f| f * place_error(record)),
         amplitude_relative: Some(0.0),
-        basis: "relative change of the frequency at which the search stops; the amplitude is stationary there".to_owned(),
+        basis: "ten times the relative change of the frequency at which the search stops; the amplitude is stationary there".to_owned(),
     }
 }
 
@@ -216,7 +216,8 @@ fn contact_grid(record: &RunRecord, summary: &Summary) -> ErrorLine {
     let highest = |[frequency, _]: [&Distribution; 2]| Some(frequency.moments?.maximum);
     let highest = largest(populations(summary).into_iter().map(highest));
     let free = record.free.frequency_hz;
-    let shift = highest.map(|highest| highest - free).filter(|s| *s > 0.0);
+    let shift = highest.zip(free).map(|(highest, free)| highest - free);
+    let shift = shift.filter(|shift| *shift > 0.0);
     let grid = record.contact_grid.as_ref();
     ErrorLine {
         source: "Contact grid",

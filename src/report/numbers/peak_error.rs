@@ -5,13 +5,22 @@
 //! frequency. ζ is that of the linear structure times input over viscous work.
 
 use crate::ensemble::outcome::{CurvePoint, PeakRecord};
-use crate::report::run::record::LinearRecord;
+use crate::report::run::record::{LinearRecord, RunRecord};
+
+/// Error of the place of a peak over the change of the frequency at which its search stops. Searches from other starts stop up to nine times
+/// this change apart.
+const SEARCHES_APART: f64 = 10.0;
 
 /// Share of the input work that the balance misses; absent where there is no work.
 pub(in crate::report) fn work_imbalance(peak: &PeakRecord) -> Option<f64> {
     let dissipated = peak.work_viscous_j + peak.work_friction_j;
     let imbalance = (peak.work_input_j - dissipated).abs() / peak.work_input_j.abs();
     imbalance.is_finite().then_some(imbalance)
+}
+
+/// Relative error of the frequency at which a peak was located.
+pub(in crate::report) fn place_error(record: &RunRecord) -> f64 {
+    SEARCHES_APART * record.frequency_tolerance
 }
 
 /// Relative change of the frequency of a peak by the harmonics left out; absent where it cannot be estimated.
@@ -25,8 +34,9 @@ pub(in crate::report) fn harmonics_shift(
 }
 
 /// Damping ratio of a linear limit of the structure: half-power half-width of its resonance over the frequency; absent where
-/// the stored curve does not show both flanks.
+/// the stored curve does not show a resonance with both flanks.
 pub(in crate::report) fn half_power_ratio(linear: &LinearRecord) -> Option<f64> {
+    linear.frequency_hz?;
     let curve = &linear.curve;
     let higher = |a: &usize, b: &usize| curve[*a].amplitude_m.total_cmp(&curve[*b].amplitude_m);
     let top = (0..curve.len()).max_by(higher)?;

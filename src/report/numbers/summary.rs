@@ -32,10 +32,10 @@ pub struct Summary {
     pub samples: usize,
     /// Unit of the excitation levels.
     pub level_unit: String,
-    /// Resonance frequency without contact forces, nominal inputs (Hz).
-    pub free_frequency_hz: f64,
-    /// Resonance frequency with all contacts stuck, nominal inputs (Hz).
-    pub stuck_frequency_hz: f64,
+    /// Resonance frequency without contact forces, nominal inputs (Hz); absent where the band holds none.
+    pub free_frequency_hz: Option<f64>,
+    /// Resonance frequency with all contacts stuck, nominal inputs (Hz); absent where the band holds none.
+    pub stuck_frequency_hz: Option<f64>,
     /// Confidence of every interval.
     pub confidence: f64,
     /// Wall time of the command that wrote the results (s); earlier ones, whose samples it took over, are not in it.

@@ -163,7 +163,7 @@ fn limits(record: &RunRecord, measure: Measure) -> [f64; 2] {
     let of = |linear: &LinearRecord| {
         let ratio = || half_power_ratio(linear).unwrap_or(f64::NAN);
         match measure {
-            Measure::Frequency => linear.frequency_hz,
+            Measure::Frequency => linear.frequency_hz.unwrap_or(f64::NAN),
             Measure::AmplitudePerExcitation => linear
                 .curve
                 .iter()

@@ -2,7 +2,7 @@
 
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::one_at_a_time::OneAtATime;
-use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
+use crate::ensemble::outcome::{CurvePoint, SampleOutcome};
 use crate::ensemble::parts::PartFolder;
 use crate::ensemble::store::Provenance;
 use crate::file::{self, FileError};
@@ -146,10 +146,9 @@ impl InputRecord {
 /// A linear limit of the structure.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LinearRecord {
-    /// Resonance frequency (Hz).
-    #[serde(deserialize_with = "number")]
-    pub frequency_hz: f64,
-    /// Response; amplitude per unit level. May be empty.
+    /// Resonance frequency (Hz); absent where the band holds no natural frequency of this structure.
+    pub frequency_hz: Option<f64>,
+    /// Response over the band; amplitude per unit level. May be empty.
     pub curve: Vec<CurvePoint>,
 }
 
@@ -207,6 +206,9 @@ pub struct DiskRecord {
 pub struct NodalRecord {
     /// The nodal diameter.
     pub nodal_diameter: usize,
+    /// Number of rigid-body modes without contact forces, which `free_hz` leaves out. Absent in records of an older program.
+    #[serde(default)]
+    pub rigid_modes: usize,
     /// Flexible ones without contact forces (Hz).
     pub free_hz: Vec<f64>,
     /// With all contacts stuck (Hz).

@@ -6,14 +6,17 @@
 
 use crate::ensemble::outcome::PeakRecord;
 use crate::report::numbers::error_budget::{self, ErrorLine};
-use crate::report::numbers::peak_error::{half_power_ratio, harmonics_shift, work_imbalance};
+use crate::report::numbers::peak_error::{
+    half_power_ratio, harmonics_shift, place_error, work_imbalance,
+};
 use crate::report::run::input::ReportInput;
 use crate::statistics::Enclosed;
 
 /// Errors of the peaks of a study.
 #[derive(Debug, Clone)]
 pub(in crate::report) struct NumericalErrors {
-    frequency_tolerance: f64,
+    /// Relative error of the place of a peak.
+    place: f64,
     damping_ratio: Option<f64>,
     /// Lines that are the same for all peaks: frequency (Hz), amplitude (relative).
     common: [f64; 2],
@@ -48,7 +51,7 @@ impl NumericalErrors {
             lines.map(|line| line.source).collect()
         };
         Self {
-            frequency_tolerance: input.record.frequency_tolerance,
+            place: place_error(input.record),
             damping_ratio: half_power_ratio(&input.record.free),
             common: columns.map(common),
             not_estimated: columns.map(unknown),
@@ -63,7 +66,7 @@ impl NumericalErrors {
     /// Ends of the frequency of a peak (Hz).
     pub(in crate::report) fn frequency(&self, peak: &PeakRecord) -> Enclosed {
         let harmonics = harmonics_shift(self.damping_ratio, peak).unwrap_or(0.0);
-        let relative = self.frequency_tolerance + harmonics;
+        let relative = self.place + harmonics;
         let error = relative * peak.frequency_hz + self.common[0];
         Enclosed {
             lower: peak.frequency_hz - error,

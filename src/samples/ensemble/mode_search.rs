@@ -10,13 +10,14 @@ use super::shared::Ensemble;
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::attribution::ModeShapes;
 use crate::hb::peak::level_peak::{LevelPeak, ModeSearch};
-use crate::hb::peak::maxima::Maxima;
+use crate::hb::peak::maxima::{Maxima, PeakChoice};
 use crate::hb::peak::predicted::correct;
 use crate::hb::peak::refine::{refined_anchored, refined_near};
 use crate::hb::peak::search::PeakSettings;
-use crate::hb::peak::track::track_mode;
+use crate::hb::peak::track::{Locating, track_mode};
 use crate::hb::structure::resonance::Candidate;
 use crate::hb::{NewtonSettings, PeakRoute, Problem, Solution, Status};
+use std::cell::OnceCell;
 
 /// If the found amplitude differs from the predicted one by this relative distance or more, the solution may lie on another
 /// branch and is not accepted.
@@ -73,28 +74,58 @@ impl Ensemble<'_> {
             .collect();
         if !missing.is_empty() {
             let levels: Vec<f64> = missing.iter().map(|search| search.peak.level).collect();
-            let tracked = track_mode(of.problem, self.settings, self.peak, of.mode, &levels);
-            for (search, mut tracked) in missing.into_iter().zip(tracked) {
-                tracked.count += search.peak.count;
-                search.is_own = self.is_own(of, &tracked);
-                search.peak = tracked;
+            let tracked = self.tracked(of, &levels, Locating::Newton);
+            let shapes = OnceCell::new();
+            for (search, tracked) in missing.into_iter().zip(tracked) {
+                let (mut peak, is_own) = self.of_this_mode(of, tracked, &shapes);
+                peak.count += search.peak.count;
+                search.is_own = is_own;
+                search.peak = peak;
             }
         }
         searches
     }
 
-    /// Whether the maximum `found` for a mode is known to be its own.
-    fn is_own(&self, of: &ModeOfSample<'_>, found: &LevelPeak) -> bool {
-        let Some(solution) = &found.solution else {
-            return true;
+    fn tracked(&self, of: &ModeOfSample<'_>, levels: &[f64], how: Locating) -> Vec<LevelPeak> {
+        track_mode(of.problem, self.settings, self.peak, of.mode, levels, how)
+    }
+
+    /// The maximum that `tracked` has led to, and whether it is known to be that of the mode. Where the study names modes, a maximum
+    /// whose vibration is that of another one is searched again uphill along the branch.
+    fn of_this_mode(
+        &self,
+        of: &ModeOfSample<'_>,
+        mut tracked: LevelPeak,
+        shapes: &OnceCell<Option<ModeShapes>>,
+    ) -> (LevelPeak, bool) {
+        let Some(solution) = &tracked.solution else {
+            return (tracked, true);
         };
         let of_any = solution.route.is_some_and(PeakRoute::is_of_any_mode);
-        if !of_any {
-            return true;
+        if !of_any && self.choice == PeakChoice::Highest {
+            return (tracked, true);
         }
-        let stiffness = stiffness_at_rest(of.problem, self.settings.aft, self.peak.band.low);
-        ModeShapes::new(of.problem.model, &stiffness)
-            .is_ok_and(|shapes| shapes.resembles(of.problem, solution, of.mode.mode))
+        let shapes = shapes.get_or_init(|| {
+            let rest = stiffness_at_rest(of.problem, self.settings.aft, self.peak.band.low);
+            ModeShapes::new(of.problem.model, &rest).ok()
+        });
+        let resembles = |found: &Solution| {
+            let shapes = shapes.as_ref();
+            shapes.is_some_and(|s| s.resembles(of.problem, found, of.mode.mode))
+        };
+        if of_any || resembles(solution) {
+            let is_own = resembles(solution);
+            return (tracked, is_own);
+        }
+        for mut uphill in self.tracked(of, &[tracked.level], Locating::Uphill) {
+            if uphill.solution.as_ref().is_some_and(resembles) {
+                uphill.count += tracked.count;
+                return (uphill, true);
+            }
+            tracked.count += uphill.count;
+        }
+        // two modes may end in one maximum, which is then that of one of them alone
+        (tracked, self.choice == PeakChoice::All)
     }
 
     /// The maximum that is found from the atlas at level number `level`, if any.

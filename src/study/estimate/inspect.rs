@@ -86,6 +86,8 @@ pub struct Inspection {
 pub struct NodalFrequencies {
     /// The nodal diameter.
     pub number: usize,
+    /// Number of rigid-body modes without contact, which `free` leaves out.
+    pub rigid: usize,
     /// Flexible ones without contact.
     pub free: Vec<f64>,
     /// Those with every contact closed and stuck.
@@ -135,6 +137,13 @@ impl LinearFrequencies {
             rigid,
         })
     }
+
+    /// Whether one of them is in the band of a study.
+    fn reaches(&self, frequency: &FrequencySettings) -> bool {
+        let [low, high] = frequency.band.map(|w| frequency.unit.of_rad_s(w));
+        let mut both = self.free.iter().chain(&self.stuck);
+        both.any(|f| (low..=high).contains(f))
+    }
 }
 
 /// The frequencies of every nodal diameter of a disk.
@@ -149,9 +158,13 @@ pub(in crate::study) fn nodal_diameters(
         low.map(|w| frequency.unit.of_rad_s(w)).collect()
     };
     let at = |number: usize| {
+        let all = of.disk.frequencies(number, None)?;
+        let modes = all.len();
+        let free = flexible(all);
         Ok(NodalFrequencies {
             number,
-            free: first(flexible(of.disk.frequencies(number, None)?)),
+            rigid: modes - free.len(),
+            free: first(free),
             stuck: first(of.disk.frequencies(number, Some(contacts))?),
         })
     };
@@ -211,7 +224,7 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, linear.free.first().copied(), asymmetric, undamped),
+        warnings: warnings(study, &linear, asymmetric, undamped),
         total_mass: match &rig {
             Some(rig) => Some(rig.total_mass()),
             None if excited.is_some() && !components.is_empty() => Some(mass_of(&components)),
@@ -259,20 +272,25 @@ fn pressure_field(inputs: &PressureInputs) -> Option<String> {
 
 fn warnings(
     study: &Study,
-    flexible: Option<f64>,
+    linear: &LinearFrequencies,
     asymmetric: bool,
     undamped: Option<String>,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     let [low, high] = PLAUSIBLE_HZ;
-    match flexible {
-        Some(f) if study.frequency.unit == FrequencyUnit::Hertz && !(low..=high).contains(&f) => {
+    match linear.free.first() {
+        Some(f) if study.frequency.unit == FrequencyUnit::Hertz && !(low..=high).contains(f) => {
             warnings.push(format!(
                 "the first flexible frequency is {f:.3e} Hz: check the units of stiffness (N/m) and mass (kg)"
             ));
         }
         Some(_) => {}
         None => warnings.push("the structure has no flexible mode".to_owned()),
+    }
+    if !linear.reaches(&study.frequency) {
+        let what =
+            "frequency: the band holds no natural frequency without contact or with stuck contacts";
+        warnings.push(format!("{what}: `run` refuses the study"));
     }
     warnings.extend(study.warnings.iter().cloned());
     warnings.extend(study.unfolded());

@@ -9,7 +9,7 @@ use super::profile::Stage;
 use super::progress::{Meter, Progress};
 use super::replacement::{admitted, refuse_own_inputs, replaced};
 use super::resume::{Resumed, add_results_there, finished, resumed};
-use super::run_record::first_record;
+use super::run_record::{self, first_record};
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use super::session::{Begun, Session, at_work, unwritten};
@@ -65,6 +65,14 @@ pub fn check_folder(
     refuse_own_inputs(study, folder)?;
     let identity = admitted(study, folder)?;
     Ok(replaced(folder, &identity, settings).into_iter().collect())
+}
+
+/// Refuses a study in whose band no peak can be, before anything is solved.
+///
+/// # Errors
+/// Whatever building the model refuses; [`Error::Unfit`] as that of [`run`].
+pub fn check_band(study: &Study) -> Result<(), Error> {
+    run_record::check_band(&study.prepared()?)
 }
 
 /// The same where no other process works in the folder.

@@ -38,6 +38,12 @@ pub(super) fn first_record(
     let study = &prepared.study;
     let (linear, band) = (&prepared.linear, prepared.band());
     let nominal = prepared.nominal_problem()?;
+    let limit = |springs: &[f64]| linear_record(study, linear, springs, band);
+    let stuck = limit(&nominal.stuck_stiffness)?;
+    let free = limit(&vec![0.0; linear.n_relative()])?;
+    if stuck.frequency_hz.or(free.frequency_hz).is_none() {
+        return Err(no_mode_in_band(prepared));
+    }
     let design = &study.design;
     Ok(RunRecord {
         provenance: provenance(prepared),
@@ -58,8 +64,8 @@ pub(super) fn first_record(
         curve_samples: study.output.curve_samples,
         bands: study.output.bands,
         level_unit: level_unit(study).to_owned(),
-        stuck: linear_record(study, linear, &nominal.stuck_stiffness, band)?,
-        free: linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?,
+        stuck,
+        free,
         nominal: Some(ensemble.nominal()),
         one_at_a_time: None,
         components: component_records(&prepared.components),
@@ -104,6 +110,7 @@ fn disk(prepared: &PreparedStudy) -> Result<Option<DiskRecord>, Error> {
         nodal_diameters(of, &prepared.contacts, &prepared.study.frequency).map_err(no_modes)?;
     let record = |of: NodalFrequencies| NodalRecord {
         nodal_diameter: of.number,
+        rigid_modes: of.rigid,
         free_hz: of.free,
         stuck_hz: of.stuck,
     };
@@ -160,31 +167,54 @@ impl Study {
     }
 }
 
-/// Linear response per unit level over the band, and its resonance.
+/// Refuses a band in which no peak can be.
+///
+/// # Errors
+/// [`Error::Unfit`] if the band holds no natural frequency of the structure with stuck or with open contacts, and whatever building the
+/// nominal problem refuses.
+pub(super) fn check_band(prepared: &PreparedStudy) -> Result<(), Error> {
+    let (linear, band) = (&prepared.linear, prepared.band());
+    let stuck = prepared.nominal_problem()?.stuck_stiffness;
+    for springs in [stuck, vec![0.0; linear.n_relative()]] {
+        let found = linear_resonance(linear, &springs, band);
+        if (found.map_err(|error| prepared.study.no_problem(error))?).is_some() {
+            return Ok(());
+        }
+    }
+    Err(no_mode_in_band(prepared))
+}
+
+fn no_mode_in_band(prepared: &PreparedStudy) -> Error {
+    let (study, band) = (&prepared.study, prepared.band());
+    let of = prepared.disk.as_ref().map_or_else(String::new, |of| {
+        let (order, diameter) = (of.engine_order, of.nodal_diameter());
+        format!(" in nodal diameter {diameter}, which engine order {order} excites")
+    });
+    let [low, high] = [band.low, band.high].map(|omega| study.frequency.unit.shown(omega));
+    let rule = "holds no natural frequency of the structure with stuck or with open contacts";
+    let fact = format!("frequency: the band {low} to {high} {rule}{of}; `inspect` lists them");
+    Error::unfit(&study.path, fact)
+}
+
+/// Linear response per unit level over the band, and its resonance in the band, if any.
 fn linear_record(
     study: &Study,
     model: &LinearModel,
     k: &[f64],
     band: Band,
 ) -> Result<LinearRecord, Error> {
-    let unit = study.frequency.unit;
-    let resonance = linear_resonance(model, k, band)
-        .map_err(|error| study.no_problem(error))?
-        .ok_or_else(|| Error::unfit(&study.path, format!(
-                "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
-                unit.shown(band.low),
-                unit.shown(band.high),
-                if k.iter().all(|k| *k == 0.0) { "open" } else { "stuck" },
-            )))?;
+    let resonance = linear_resonance(model, k, band).map_err(|error| study.no_problem(error))?;
+    let resonance = resonance.map(|found| found.omega);
     let even =
         (0..LINEAR_POINTS).map(|i| band.low + band.width() * i as f64 / (LINEAR_POINTS - 1) as f64);
-    let nearer = |distance: &f64| Some(RESONANCE_RATIO * distance);
-    let distances = std::iter::successors(Some(band.width()), nearer);
-    let around = distances
-        .take(RESONANCE_POINTS)
-        .flat_map(|d| [resonance.omega - d, resonance.omega + d]);
-    let around = around.filter(|omega| band.contains(*omega));
-    let mut omega: Vec<f64> = even.chain([resonance.omega]).chain(around).collect();
+    let mut omega: Vec<f64> = even.chain(resonance).collect();
+    if let Some(resonance) = resonance {
+        let nearer = |distance: &f64| Some(RESONANCE_RATIO * distance);
+        let distances = std::iter::successors(Some(band.width()), nearer);
+        let around =
+            (distances.take(RESONANCE_POINTS)).flat_map(|d| [resonance - d, resonance + d]);
+        omega.extend(around.filter(|omega| band.contains(*omega)));
+    }
     omega.sort_by(f64::total_cmp);
     let curve = omega
         .into_iter()
@@ -195,7 +225,7 @@ fn linear_record(
         })
         .collect();
     Ok(LinearRecord {
-        frequency_hz: rad_s_to_hz(resonance.omega),
+        frequency_hz: resonance.map(rad_s_to_hz),
         curve,
     })
 }

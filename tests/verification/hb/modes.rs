@@ -4,7 +4,7 @@ use faer::Mat;
 use microslip::hb::equations::problem::stuck_stiffness;
 use microslip::hb::newton::rest::stiffness_at_rest;
 use microslip::hb::peak::attribution::ModeShapes;
-use microslip::hb::peak::track::track_mode;
+use microslip::hb::peak::track::{Locating, track_mode};
 use microslip::hb::structure::resonance::candidates;
 use microslip::hb::{Problem, Solution};
 use microslip::linalg::symmetric_generalized_eigen;
@@ -112,7 +112,9 @@ fn modes_of_maxima_are_those_of_the_matrices() {
         let at_rest = stiffness_at_rest(&problem, study.solver.aft, peak.band.low);
         let found = candidates(&prepared.linear, &at_rest, peak.band).expect("modes");
         for mode in &found {
-            for found in track_mode(&problem, &study.solver, peak, mode, &[1.0, 8.0, 50.0]) {
+            let levels = [1.0, 8.0, 50.0];
+            let how = Locating::Newton;
+            for found in track_mode(&problem, &study.solver, peak, mode, &levels, how) {
                 let Some(maximum) = found.solution else {
                     continue;
                 };

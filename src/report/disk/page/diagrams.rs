@@ -12,8 +12,8 @@ use crate::statistics::hull;
 /// Half the gap between two bands of the Campbell diagram, as a share of its width.
 const GAP: f64 = 0.003;
 
-/// Linear frequencies (Hz) of a nodal diameter, of one kind.
-type FrequenciesOf = fn(&NodalRecord) -> &Vec<f64>;
+/// Of a nodal diameter, the number of rigid-body modes and the flexible linear frequencies (Hz), of one kind.
+type FrequenciesOf = fn(&NodalRecord) -> (usize, &Vec<f64>);
 
 pub(super) fn section(view: &View) -> Section {
     let mut keys: Vec<Key> = (0..view.disk.levels.len())
@@ -206,24 +206,30 @@ fn folded_orders(view: &View) -> Vec<[(f64, f64); 2]> {
     (0..folds).map(range).collect()
 }
 
-/// The linear frequencies in sight over the nodal diameter: free and stuck. A family has gaps where the list of a nodal diameter ends
-/// below it.
+/// The linear frequencies in sight over the nodal diameter: free and stuck. Families are counted from the lowest mode, so that the
+/// rigid-body modes of one nodal diameter alone shift none. A family has gaps where the list of a nodal diameter does not reach it.
 fn families(view: &View, panel: &mut Panel) {
     let diameters = &view.disk.nodal_diameters;
     let [low, high] = view.window;
     let shown: [(&str, FrequenciesOf); 2] = [
-        ("free", |diameter| &diameter.free_hz),
-        ("stuck", |diameter| &diameter.stuck_hz),
+        ("free", |diameter| (diameter.rigid_modes, &diameter.free_hz)),
+        ("stuck", |diameter| (0, &diameter.stuck_hz)),
     ];
     for (class, frequencies) in shown {
-        let families = diameters.iter().map(|d| frequencies(d).len()).max();
-        for family in 0..families.unwrap_or(0) {
+        let count = |d: &NodalRecord| {
+            let (rigid, flexible) = frequencies(d);
+            rigid + flexible.len()
+        };
+        for family in 0..diameters.iter().map(count).max().unwrap_or(0) {
             let point = |d: &NodalRecord| {
-                let frequency = frequencies(d).get(family).copied();
+                let (rigid, flexible) = frequencies(d);
+                let place = family.checked_sub(rigid);
+                let frequency = place.and_then(|k| flexible.get(k)).copied();
                 (d.nodal_diameter as f64, frequency.unwrap_or(f64::NAN))
             };
             let points: Vec<(f64, f64)> = diameters.iter().map(point).collect();
-            if points.iter().any(|(_, f)| (low..=high).contains(f)) {
+            let [lowest, highest] = hull(points.iter().map(|point| point.1)).unwrap_or([high; 2]);
+            if lowest < high && highest > low {
                 panel.line(class, points.into_iter());
             }
         }

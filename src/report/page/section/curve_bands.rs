@@ -311,7 +311,10 @@ fn band_panel(view: &View, i: usize, level: &LevelBands, top: f64) -> Figure {
     let x = Axis::linear(window.label(), window.low, window.high);
     let y = amplitude_axis(view, top);
     let mut panel = Panel::new(Size::Small, view.level_name(i), x, y);
-    add_linear_curves(view, &mut panel, |resonance| window.unit(resonance));
+    add_linear_curves(view, &mut panel, |resonance| match window.abscissa {
+        Abscissa::Frequency => Some(1.0),
+        Abscissa::OverResonance => resonance,
+    });
     draw_strips(&mut panel, i, strips, view.nested());
     let nominal = view.input.record.nominal.as_ref();
     if let (Some(nominal), Some(resonance)) = (nominal, view.nominal(Shown::Frequency, i)) {

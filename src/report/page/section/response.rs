@@ -76,7 +76,7 @@ fn nominal_responses(view: &View) -> Option<Figure> {
     let x = Axis::linear(FREQUENCY, low, high);
     let y = amplitude_axis(view, top);
     let mut panel = Panel::new(Size::Large, "Nominal forced response", x, y);
-    add_linear_curves(view, &mut panel, |_| 1.0);
+    add_linear_curves(view, &mut panel, |_| Some(1.0));
     let mut labels = Vec::new();
     for (i, record) in nominal.levels.iter().enumerate() {
         let curve = view.curve(record.around.curve(), record.level);

@@ -24,8 +24,9 @@ pub(super) fn window(view: &View) -> (f64, f64) {
     };
     let most = outer_groups(outcomes).into_iter().flat_map(most).flatten();
     let nominal = (0..view.n_levels()).filter_map(|i| view.nominal(Shown::Frequency, i));
-    let linear = [record.free.frequency_hz, record.stuck.frequency_hz];
-    let [low, high] = hull(most.chain(linear).chain(nominal)).unwrap_or(linear);
+    let linear = [&record.free, &record.stuck].into_iter();
+    let linear = linear.filter_map(|limit| limit.frequency_hz);
+    let [low, high] = hull(most.chain(linear).chain(nominal)).unwrap_or([0.0, 1.0]);
     let space = (0.15 * (high - low)).max(4e-4 * high);
     (low - space, high + space)
 }
@@ -34,12 +35,18 @@ pub(super) fn amplitude_axis(view: &View, top: f64) -> Axis {
     Axis::linear(view.label(Shown::AmplitudePerLevel), 0.0, 1.06 * top)
 }
 
-/// The linear limits, the frequencies of each divided by `unit` of its resonance (Hz).
-pub(super) fn add_linear_curves(view: &View, panel: &mut Panel, unit: impl Fn(f64) -> f64) {
+/// The linear limits, the frequencies of each divided by `unit` of its resonance (Hz); left out where there is none.
+pub(super) fn add_linear_curves(
+    view: &View,
+    panel: &mut Panel,
+    unit: impl Fn(Option<f64>) -> Option<f64>,
+) {
     let record = view.input.record;
     for (class, linear) in [("free", &record.free), ("stuck", &record.stuck)] {
+        let Some(unit) = unit(linear.frequency_hz) else {
+            continue;
+        };
         let points = view.curve(&linear.curve, 1.0).into_iter();
-        let unit = unit(linear.frequency_hz);
         panel.line(class, points.map(|(f, a)| (f / unit, a)));
     }
 }

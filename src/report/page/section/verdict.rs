@@ -294,17 +294,15 @@ fn bounds(view: &View) -> Block {
 fn facts(summary: &Summary) -> Vec<(String, String)> {
     let solves = summary.samples * summary.levels.len();
     let failed: usize = summary.levels.iter().map(|l| l.failed).sum();
+    let in_band = |frequency_hz: Option<f64>| match frequency_hz {
+        Some(frequency_hz) => format!("{} Hz", hertz(frequency_hz)),
+        None => "none in the band".to_owned(),
+    };
     [
         ("samples", summary.samples.to_string()),
         ("solutions", format!("{} of {solves}", solves - failed)),
-        (
-            "free resonance",
-            format!("{} Hz", hertz(summary.free_frequency_hz)),
-        ),
-        (
-            "fully stuck",
-            format!("{} Hz", hertz(summary.stuck_frequency_hz)),
-        ),
+        ("free resonance", in_band(summary.free_frequency_hz)),
+        ("fully stuck", in_band(summary.stuck_frequency_hz)),
         ("wall time, last command", duration(summary.wall_time_s)),
     ]
     .map(|(name, value)| (name.to_owned(), value))

@@ -46,6 +46,15 @@ const TRACK_TOLERANCE: f64 = 1e-5;
 /// Most harmonics (0 included) on which the maximum is searched.
 const FEW_HARMONICS: usize = 8;
 
+/// How a maximum is located from a phase resonance of the track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Locating {
+    /// By Newton's method, which may lead to the maximum of another mode where this one is low beside it; then by the other routes.
+    Newton,
+    /// By steps along the branch on which the amplitude grows, with the harmonics of the study, and by no other route.
+    Uphill,
+}
+
 /// The track of one mode, with the phase-resonant solution that it has reached.
 struct Track<'a, 'p> {
     /// The problem on sets with more and more harmonics. The track is followed on the first; the last is that of the study.
@@ -54,6 +63,7 @@ struct Track<'a, 'p> {
     few: usize,
     settings: &'a HbSettings,
     peak: PeakSettings,
+    locating: Locating,
     /// Frequencies that the phase resonance may have.
     path: Band,
     /// Direction of the first harmonic, at resonance, of the response that defines it.
@@ -88,7 +98,7 @@ pub fn track_peaks(
     let modes = candidates(problem.model, &stiffness, peak.band)?;
     let search = |mode: &Candidate, at: &[usize], _: &[_]| {
         let levels: Vec<f64> = at.iter().map(|&i| levels[i]).collect();
-        let found = track_mode(problem, settings, peak, mode, &levels);
+        let found = track_mode(problem, settings, peak, mode, &levels, Locating::Newton);
         Ok::<_, LinalgError>(found.into_iter().map(ModeSearch::from).collect())
     };
     let mut maxima = search_maxima(&modes, PeakChoice::Highest, levels, search)?;
@@ -106,6 +116,7 @@ pub fn track_mode(
     peak: PeakSettings,
     mode: &Candidate,
     levels: &[f64],
+    locating: Locating,
 ) -> Vec<LevelPeak> {
     problem.effort.grant(settings.newton.budget);
     let meter = Meter::new(&problem.effort);
@@ -122,6 +133,7 @@ pub fn track_mode(
         few: ladder.rungs().iter().rposition(are_few).unwrap_or(0),
         settings,
         peak,
+        locating,
         path: mode.path,
         phasor: response / response.norm(),
         rest: None,
@@ -178,14 +190,18 @@ impl<'a, 'p> Track<'a, 'p> {
 
     /// The routes to the maximum at a level, in the order in which they are tried.
     fn searches(&self) -> Vec<(PeakRoute, RouteSearch<'a, 'p>)> {
+        let on_all: (PeakRoute, RouteSearch<'a, 'p>) = (PeakRoute::TrackedOnAll, |track, level| {
+            track.located(level, track.last())
+        });
+        if self.locating == Locating::Uphill {
+            return vec![on_all];
+        }
         let mut searches: Vec<(PeakRoute, RouteSearch<'a, 'p>)> = vec![
             (PeakRoute::Tracked, |track, level| {
                 let found = track.located(level, track.few)?;
                 track.raised(track.few, found)
             }),
-            (PeakRoute::TrackedOnAll, |track, level| {
-                track.located(level, track.last())
-            }),
+            on_all,
             (PeakRoute::Sliding, |track, level| {
                 let found = track.sliding(level)?;
                 track.raised(0, found)
@@ -227,9 +243,12 @@ impl<'a, 'p> Track<'a, 'p> {
         self.maximum(start, rung)
     }
 
-    /// The maximum next to the phase resonance `start`: directly, else by a search along the branch.
+    /// The maximum next to the phase resonance `start`: directly, else, or where nothing else is wanted, by a search along the branch.
     fn maximum(&self, start: Iterate<'p>, rung: usize) -> Result<Located<'p>, Status> {
         let (balance, newton) = (&self.ladder[rung], self.settings.newton);
+        if self.locating == Locating::Uphill {
+            return find_peak(balance, start, self.peak, newton);
+        }
         let prediction = PeakPrediction {
             point: start.point.clone(),
             phasor: self.phasor,
