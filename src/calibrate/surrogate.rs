@@ -130,10 +130,7 @@ fn fit(
     };
     let found = cross_fit(&samples, &hold_out, &ChaosSettings::default());
     let found = found.map_err(|refusal| match refusal {
-        ChaosRefusal::TooFew { valid, needed } => format!(
-            "{valid} solved samples are left where one of {PARTS} parts is held out, {needed} are needed: take enough for {} solved ones (--samples)",
-            (needed * PARTS).div_ceil(PARTS - 1)
-        ),
+        ChaosRefusal::TooFewLeft { .. } => format!("{refusal} (--samples)"),
         other => other.to_string(),
     })?;
     let held_out = found.error();

@@ -196,6 +196,10 @@ fn a_response_that_cannot_be_is_named() {
         many.contains("--samples = 49: must be from 1 to the number of samples of the study, 48"),
         "{many}"
     );
+    // seen to fail with the program before, which counted all ten as left
+    let few = refused(&good, &["--samples", "10"]);
+    let rule = "8 solved samples are left where one of 5 parts is held out, 16 are needed: that takes 20 solved ones (--samples)";
+    assert!(few.contains(rule), "{few}");
     let chains = refused(&good, &["--chains", "1"]);
     assert!(
         chains.contains("--chains = 1: must be from 2 to 64"),

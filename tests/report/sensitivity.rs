@@ -203,7 +203,8 @@ fn a_surrogate_says_what_it_is_worth() {
     let SurrogateResult::Refused(reason) = surrogate(&with_surrogate(12), 0) else {
         panic!("a surrogate of 9 samples");
     };
-    assert!(reason.contains("too few"), "{reason}");
+    let expected = "9 solved samples are left where one of 5 parts is held out, 16 are needed: that takes 20 solved ones";
+    assert_eq!(reason, expected);
 }
 
 /// A stored distribution is the one that was drawn from, cut or not. Seen to fail with the truncation left out.

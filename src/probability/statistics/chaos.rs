@@ -141,6 +141,20 @@ pub enum ChaosRefusal {
         /// Samples needed.
         needed: usize,
     },
+    /// The same where a part of the samples is held out of the fit.
+    #[error(
+        "{left} solved samples are left where one of {parts} parts is held out, {needed} are needed: that takes {samples} solved ones"
+    )]
+    TooFewLeft {
+        /// Solved samples outside the part.
+        left: usize,
+        /// Number of parts.
+        parts: usize,
+        /// Samples needed outside the part.
+        needed: usize,
+        /// Solved samples of which enough are left.
+        samples: usize,
+    },
     /// The result does not vary.
     #[error("the result does not vary")]
     Constant,

@@ -122,10 +122,18 @@ pub fn cross_fit(
             .unzip();
         fit_chaos(samples.basis, &inputs, &results, settings)
     };
-    // the first part is held out of the fewest samples, so a refusal counts those
-    let expansions: Vec<Chaos> = (0..parts)
-        .map(|part| fit(Some(part)))
-        .collect::<Result<_, _>>()?;
+    let without = |part| {
+        fit(Some(part)).map_err(|refusal| match refusal {
+            ChaosRefusal::TooFew { valid, needed } => ChaosRefusal::TooFewLeft {
+                left: valid,
+                parts,
+                needed,
+                samples: (needed * parts).div_ceil(parts - 1),
+            },
+            other => other,
+        })
+    };
+    let expansions: Vec<Chaos> = (0..parts).map(without).collect::<Result<_, _>>()?;
     let whole = fit(None)?;
     let held = (0..n).map(|place| {
         let (i, part) = (order[place], place % parts);
