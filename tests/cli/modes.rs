@@ -248,22 +248,28 @@ fn a_weak_mode_beside_a_strong_one_keeps_its_own_maximum() {
     assert_eq!([present(0), present(1)], [1, 0], "{modes}");
 }
 
-/// A band may hold a mode of the stuck structure alone, or one of the free structure alone: the other limit is drawn without a resonance. A
-/// band without either is refused, and `inspect` says so. Seen to fail with the program before, which refused the first two.
+/// A band may hold a mode of the stuck structure alone, or one of the free structure alone: the other limit has no resonance, and its largest
+/// amplitude in the band is that of none. A band without either is refused, and `inspect` says so. Seen to fail with the program before, which
+/// refused the first two, and with the amplitude at the end of the band as that of a limit.
 #[test]
 fn a_band_with_modes_of_one_kind_is_enough() {
-    let limits = |band: &str| {
+    let limits = |band: &str, expected: [bool; 2]| {
         let folder = crate::folder("study.toml", "[100, 200]", band);
         let output = microslip(folder.path(), &["run", "study.toml", "--output", "out"]);
         assert_eq!(output.status.code(), Some(0), "{band}: {output:?}");
         let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
         assert!(page.contains("none in the band"), "{band}");
+        let start = page.find("aria-label=\"Amplitude per excitation").unwrap();
+        let figure = &page[start..start + page[start..].find("</figure>").unwrap()];
+        let drawn =
+            ["free", "stuck"].map(|limit| figure.contains(&format!("class=\"line {limit}\"")));
+        assert_eq!(drawn, expected, "{band}");
         let summary = summary(&folder);
         ["free_frequency_hz", "stuck_frequency_hz"].map(|limit| summary[limit].as_f64())
     };
-    let [free, stuck] = limits("[170, 250]");
+    let [free, stuck] = limits("[170, 250]", [false, true]);
     assert!(free.is_none() && (stuck.unwrap() - 185.83).abs() < 0.01);
-    let [free, stuck] = limits("[100, 120]");
+    let [free, stuck] = limits("[100, 120]", [true, false]);
     assert!(stuck.is_none() && (free.unwrap() - 110.48).abs() < 0.01);
     let folder = crate::folder("study.toml", "[100, 200]", "[500, 540]");
     let facts = microslip(folder.path(), &["inspect", "study.toml"]);

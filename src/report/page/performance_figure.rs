@@ -158,12 +158,15 @@ pub(in crate::report) fn ratio_label(record: &RunRecord) -> String {
     }
 }
 
-/// `measure` of the linear structure without contact, and with stuck contacts.
+/// `measure` of the linear structure at its resonance without contact, and with stuck contacts; NaN where the band holds no resonance.
 fn limits(record: &RunRecord, measure: Measure) -> [f64; 2] {
     let of = |linear: &LinearRecord| {
+        let Some(frequency_hz) = linear.frequency_hz else {
+            return f64::NAN;
+        };
         let ratio = || half_power_ratio(linear).unwrap_or(f64::NAN);
         match measure {
-            Measure::Frequency => linear.frequency_hz.unwrap_or(f64::NAN),
+            Measure::Frequency => frequency_hz,
             Measure::AmplitudePerExcitation => linear
                 .curve
                 .iter()
