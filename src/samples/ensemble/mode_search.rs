@@ -113,8 +113,8 @@ impl Ensemble<'_> {
             let shapes = shapes.as_ref();
             shapes.is_some_and(|s| s.resembles(of.problem, found, of.mode.mode))
         };
-        if of_any || resembles(solution) {
-            let is_own = resembles(solution);
+        let is_own = resembles(solution);
+        if of_any || is_own {
             return (tracked, is_own);
         }
         for mut uphill in self.tracked(of, &[tracked.level], Locating::Uphill) {
