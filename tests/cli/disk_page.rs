@@ -63,8 +63,8 @@ fn engine_orders_of_a_disk_come_to_one_page() {
     assert_eq!(solve.status.code(), Some(0), "{solve:?}");
 }
 
-/// The figure of this title.
-fn figure<'a>(page: &'a str, title: &str) -> &'a str {
+/// The figure of this title, or of one that begins so.
+pub(crate) fn figure<'a>(page: &'a str, title: &str) -> &'a str {
     let start = page.find(&format!("aria-label=\"{title}")).unwrap();
     &page[start..start + page[start..].find("</figure>").unwrap()]
 }
@@ -90,9 +90,8 @@ fn the_excitation_is_folded_up_to_the_highest_order() {
 fn rigid_body_modes_of_one_nodal_diameter_shift_no_family() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let held = DISK_FILES.map(|(name, text)| (name, text.replace("1 1 4e6", "1 1 3e6")));
-    for (name, text) in held {
-        std::fs::write(path.join(name), text).unwrap();
+    for (name, text) in DISK_FILES {
+        std::fs::write(path.join(name), text.replace("1 1 4e6", "1 1 3e6")).unwrap();
     }
     let to_ground = "k_t1 = 2e5\nt2 = { \"blade.x\" = 1.0 }\nk_t2 = 1e5";
     let study = DISK

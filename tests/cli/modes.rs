@@ -1,9 +1,11 @@
 //! All modes of the band followed, from the study file to table, summary and page.
 
 use crate::bad_input::disk_cases::{DISK, DISK_FILES};
+use crate::disk_page::figure;
 use crate::{microslip, reference_study};
-use microslip::ensemble::outcome::SampleOutcome;
+use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::read_samples;
+use microslip::hb::Status;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -155,7 +157,7 @@ fn every_mode_of_a_nodal_diameter_is_followed() {
 
 /// Two modes, at 100 Hz and higher; the excited body has 0.02 times the amplitude of the first in the second or less, so that the maximum
 /// of that one is low beside the flank of the other, or drowned in it.
-fn weak_second_mode(stiffness: [f64; 3], peak: &str) -> (String, Option<f64>, TempDir) {
+fn weak_second_mode(stiffness: [f64; 3], peak: &str) -> (LevelOutcome, TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let [k11, k12, k22] = stiffness;
     let head = "%%MatrixMarket matrix coordinate real symmetric\n3 3";
@@ -179,9 +181,7 @@ fn weak_second_mode(stiffness: [f64; 3], peak: &str) -> (String, Option<f64>, Te
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     let output = microslip(folder.path(), &["run", "study.toml", "--output", "out"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let level = samples(&folder).remove(0).levels[0].clone();
-    let status = level.status.name().to_owned();
-    (status, level.peak.map(|peak| peak.frequency_hz), folder)
+    (samples(&folder)[0].levels[0].clone(), folder)
 }
 
 /// Largest of |H| beside `around` (Hz), with the same damping ratio in both modes.
@@ -222,27 +222,26 @@ fn a_weak_mode_beside_a_strong_one_keeps_its_own_maximum() {
     let expected = linear_maximum(weak, [135.0, 150.0]);
     assert!((141.0..142.0).contains(&expected), "{expected}");
     for peak in ["2", "\"all\""] {
-        let (status, frequency, folder) = weak_second_mode(weak, peak);
-        assert_eq!(status, "converged");
-        let level = samples(&folder).remove(0).levels[0].clone();
+        let (level, _) = weak_second_mode(weak, peak);
+        assert_eq!(level.status, Status::Converged);
         let others = level.around.others().iter().map(|o| o.frequency_hz);
-        let mut found: Vec<f64> = others.chain(frequency).collect();
+        let mut found: Vec<f64> = others.chain([level.peak.unwrap().frequency_hz]).collect();
         found.sort_by(f64::total_cmp);
         let own = found.pop().unwrap();
         assert!((own / expected - 1.0).abs() < 1e-6, "{own} {expected}");
         assert_eq!(found.len(), usize::from(peak != "2"), "{found:?}");
     }
-    let (status, frequency, _) = weak_second_mode(weak, "1");
+    let (level, _) = weak_second_mode(weak, "1");
     let first = linear_maximum(weak, [95.0, 105.0]);
-    assert_eq!(status, "converged");
-    assert!((frequency.unwrap() / first - 1.0).abs() < 1e-6);
+    assert_eq!(level.status, Status::Converged);
+    assert!((level.peak.unwrap().frequency_hz / first - 1.0).abs() < 1e-6);
 
     let drowned = [395_631.180_405_75, 12_100.062_316_79, 567_642.209_140_57];
     assert_eq!(linear_maximum(drowned, [105.0, 150.0]), 105.0, "it falls");
-    let (status, frequency, _) = weak_second_mode(drowned, "2");
-    assert_eq!((status.as_str(), frequency), ("step-too-small", None));
-    let (status, _, folder) = weak_second_mode(drowned, "\"all\"");
-    assert_eq!(status, "converged");
+    let (level, _) = weak_second_mode(drowned, "2");
+    assert!(level.status == Status::StepTooSmall && level.peak.is_none());
+    let (level, folder) = weak_second_mode(drowned, "\"all\"");
+    assert_eq!(level.status, Status::Converged);
     let modes = summary(&folder)["levels"][0]["modes"].clone();
     let present = |i: usize| modes[i]["present"]["yes"].as_u64().unwrap();
     assert_eq!([present(0), present(1)], [1, 0], "{modes}");
@@ -259,8 +258,7 @@ fn a_band_with_modes_of_one_kind_is_enough() {
         assert_eq!(output.status.code(), Some(0), "{band}: {output:?}");
         let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
         assert!(page.contains("none in the band"), "{band}");
-        let start = page.find("aria-label=\"Amplitude per excitation").unwrap();
-        let figure = &page[start..start + page[start..].find("</figure>").unwrap()];
+        let figure = figure(&page, "Amplitude per excitation");
         let drawn =
             ["free", "stuck"].map(|limit| figure.contains(&format!("class=\"line {limit}\"")));
         assert_eq!(drawn, expected, "{band}");

@@ -195,7 +195,8 @@ fn place_of_peak(record: &RunRecord, summary: &Summary) -> ErrorLine {
         source: PLACE,
         frequency_hz: frequency.map(|f| f * place_error(record)),
         amplitude_relative: Some(0.0),
-        basis: "ten times the relative change of the frequency at which the search stops; the amplitude is stationary there".to_owned(),
+        basis: "as far apart as searches from other starts stop; the amplitude is stationary there"
+            .to_owned(),
     }
 }
 

@@ -35,15 +35,10 @@ pub(super) fn first_record(
     prepared: &PreparedStudy,
     ensemble: &Ensemble,
 ) -> Result<RunRecord, Error> {
+    check_band(prepared)?;
     let study = &prepared.study;
     let (linear, band) = (&prepared.linear, prepared.band());
     let nominal = prepared.nominal_problem()?;
-    let limit = |springs: &[f64]| linear_record(study, linear, springs, band);
-    let stuck = limit(&nominal.stuck_stiffness)?;
-    let free = limit(&vec![0.0; linear.n_relative()])?;
-    if stuck.frequency_hz.or(free.frequency_hz).is_none() {
-        return Err(no_mode_in_band(prepared));
-    }
     let design = &study.design;
     Ok(RunRecord {
         provenance: provenance(prepared),
@@ -64,8 +59,8 @@ pub(super) fn first_record(
         curve_samples: study.output.curve_samples,
         bands: study.output.bands,
         level_unit: level_unit(study).to_owned(),
-        stuck,
-        free,
+        stuck: linear_record(study, linear, &nominal.stuck_stiffness, band)?,
+        free: linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?,
         nominal: Some(ensemble.nominal()),
         one_at_a_time: None,
         components: component_records(&prepared.components),
@@ -173,19 +168,14 @@ impl Study {
 /// [`Error::Unfit`] if the band holds no natural frequency of the structure with stuck or with open contacts, and whatever building the
 /// nominal problem refuses.
 pub(super) fn check_band(prepared: &PreparedStudy) -> Result<(), Error> {
-    let (linear, band) = (&prepared.linear, prepared.band());
+    let (study, linear, band) = (&prepared.study, &prepared.linear, prepared.band());
     let stuck = prepared.nominal_problem()?.stuck_stiffness;
     for springs in [stuck, vec![0.0; linear.n_relative()]] {
         let found = linear_resonance(linear, &springs, band);
-        if (found.map_err(|error| prepared.study.no_problem(error))?).is_some() {
+        if (found.map_err(|error| study.no_problem(error))?).is_some() {
             return Ok(());
         }
     }
-    Err(no_mode_in_band(prepared))
-}
-
-fn no_mode_in_band(prepared: &PreparedStudy) -> Error {
-    let (study, band) = (&prepared.study, prepared.band());
     let of = prepared.disk.as_ref().map_or_else(String::new, |of| {
         let (order, diameter) = (of.engine_order, of.nodal_diameter());
         format!(" in nodal diameter {diameter}, which engine order {order} excites")
@@ -193,7 +183,7 @@ fn no_mode_in_band(prepared: &PreparedStudy) -> Error {
     let [low, high] = [band.low, band.high].map(|omega| study.frequency.unit.shown(omega));
     let rule = "holds no natural frequency of the structure with stuck or with open contacts";
     let fact = format!("frequency: the band {low} to {high} {rule}{of}; `inspect` lists them");
-    Error::unfit(&study.path, fact)
+    Err(Error::unfit(&study.path, fact))
 }
 
 /// Linear response per unit level over the band, and its resonance in the band, if any.
