@@ -76,8 +76,8 @@ pub fn lowest_modes(
 /// statically.
 ///
 /// The modes come by shift-inverted block Lanczos with full reorthogonalisation. Deterministic. Shape: K, M n × n. Source:
-/// Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228. Differs from it: the projected matrix is formed in full
-/// (Rayleigh–Ritz) instead of from the recurrence, because the spaces are small.
+/// Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228. Differs from it: the projected matrix is
+/// kept in full (Rayleigh–Ritz) instead of by the recurrence, because the spaces are small.
 #[derive(Debug)]
 pub struct FactoredPencil<'a> {
     stiffness: &'a SparseColMat<usize, f64>,
@@ -205,19 +205,19 @@ impl<'a> Lanczos<'a> {
 
     /// The `count` lowest modes (all if there are fewer), converged.
     fn modes(&mut self, count: usize) -> Result<LowestModes, LinalgError> {
-        let (mass, shift) = (self.pencil.mass, self.pencil.shift);
         let count = count.min(self.most);
         let mut enough = count + BLOCK;
         loop {
-            while self.grown && self.space.images.ncols() < enough {
+            while self.grown && self.space.images.len() < enough {
                 let image = self.pencil.solve(self.space.last_block_momentum());
-                self.grown = self.space.extend(mass, image);
+                self.grown = self.space.extend(self.pencil.mass, image);
             }
-            let (modes, residual) = self.space.ritz(mass, count, shift)?;
-            if residual < TOLERANCE {
-                return Ok(modes);
+            let pairs = self.space.ritz(count)?;
+            if pairs.residual < TOLERANCE {
+                return Ok(self.space.modes(&pairs, self.pencil.shift));
             }
             if !self.grown || enough >= MAX_COLUMNS {
+                let residual = pairs.residual;
                 return Err(LinalgError::EigenNotConverged { residual });
             }
             // Each test costs the cube of the columns: test in geometric steps.
@@ -226,11 +226,23 @@ impl<'a> Lanczos<'a> {
     }
 }
 
-/// M-orthonormal basis V, its momenta M V and images (K + σM)⁻¹ M V (the last block has no image yet).
+/// The M-orthonormal basis V of a Krylov space with its momenta M V.
 struct KrylovSpace {
     basis: Mat<f64>,
     momenta: Mat<f64>,
-    images: Mat<f64>,
+    /// (K + σM)⁻¹ M V in the basis, one column for each column of V but those of the last block. What lies within
+    /// [`DEFLATION`] of the space is left out.
+    images: Vec<Vec<f64>>,
+}
+
+/// Eigenpairs of a pencil in a Krylov space (Rayleigh–Ritz).
+struct RitzPairs {
+    /// θ = 1/(λ + σ), descending.
+    theta: Vec<f64>,
+    /// The eigenvectors in the basis, one per column.
+    vectors: Mat<f64>,
+    /// Largest residual, see [`TOLERANCE`].
+    residual: f64,
 }
 
 impl KrylovSpace {
@@ -239,14 +251,14 @@ impl KrylovSpace {
         let mut space = Self {
             basis: Mat::zeros(n, 0),
             momenta: Mat::zeros(n, 0),
-            images: Mat::zeros(n, 0),
+            images: Vec::new(),
         };
         space.append_orthonormal(mass, start);
         space
     }
 
     fn last_block_momentum(&self) -> Mat<f64> {
-        let done = self.images.ncols();
+        let done = self.images.len();
         self.momenta
             .subcols(done, self.momenta.ncols() - done)
             .to_owned()
@@ -254,66 +266,81 @@ impl KrylovSpace {
 
     /// Takes the image of the last block and appends its new directions; `false` if there is none.
     fn extend(&mut self, mass: &SparseColMat<usize, f64>, image: Mat<f64>) -> bool {
-        append(&mut self.images, &image);
         let before = self.basis.ncols();
-        self.append_orthonormal(mass, image);
+        let images = self.append_orthonormal(mass, image);
+        self.images.extend(images);
         self.basis.ncols() > before
     }
 
-    fn append_orthonormal(&mut self, mass: &SparseColMat<usize, f64>, mut block: Mat<f64>) {
-        let norm = |x: &Mat<f64>| (x.transpose() * (mass * x))[(0, 0)].max(0.0).sqrt();
-        let before: Vec<f64> = (0..block.ncols())
-            .map(|j| norm(&block.subcols(j, 1).to_owned()))
-            .collect();
+    /// Appends the new directions of a block and returns its columns in the basis. Products with M take most of the time: there
+    /// is one for each column.
+    fn append_orthonormal(
+        &mut self,
+        mass: &SparseColMat<usize, f64>,
+        mut block: Mat<f64>,
+    ) -> Vec<Vec<f64>> {
+        let mut inside = Mat::zeros(self.basis.ncols(), block.ncols());
         for _ in 0..2 {
-            block -= &self.basis * (self.momenta.transpose() * &block);
+            let more = self.momenta.transpose() * &block;
+            block -= &self.basis * &more;
+            inside += more;
         }
-        for (j, &norm_before) in before.iter().enumerate() {
+        let mut columns = Vec::with_capacity(block.ncols());
+        for j in 0..block.ncols() {
             let mut x = block.subcols(j, 1).to_owned();
+            let mut column = inside.col_as_slice(j).to_vec();
+            column.resize(self.basis.ncols(), 0.0);
             // The second sweep removes what cancellation in the first one left.
             for _ in 0..2 {
-                x -= &self.basis * (self.momenta.transpose() * &x);
+                let more = self.momenta.transpose() * &x;
+                x -= &self.basis * &more;
+                (column.iter_mut().zip(more.col_as_slice(0))).for_each(|(c, more)| *c += more);
             }
-            let norm_after = norm(&x);
-            if norm_after <= DEFLATION * norm_before {
-                continue;
+            let mut momentum = mass * &x;
+            let outside = (x.transpose() * &momentum)[(0, 0)].max(0.0).sqrt();
+            let squares = column.iter().chain([&outside]).map(|c| c * c);
+            if outside > DEFLATION * squares.sum::<f64>().sqrt() {
+                let scale = Scale(1.0 / outside);
+                x *= scale;
+                momentum *= scale;
+                append(&mut self.momenta, &momentum);
+                append(&mut self.basis, &x);
+                column.push(outside);
             }
-            x *= Scale(1.0 / norm_after);
-            append(&mut self.momenta, &(mass * &x));
-            append(&mut self.basis, &x);
+            columns.push(column);
         }
+        columns
     }
 
-    /// Rayleigh–Ritz: the `count` lowest modes and their largest residual.
-    fn ritz(
-        &self,
-        mass: &SparseColMat<usize, f64>,
-        count: usize,
-        shift: f64,
-    ) -> Result<(LowestModes, f64), LinalgError> {
-        let m = self.images.ncols();
+    /// The `count` lowest eigenpairs in the space of the vectors that have an image.
+    fn ritz(&self, count: usize) -> Result<RitzPairs, LinalgError> {
+        let m = self.images.len();
         let count = count.min(m);
-        let (basis, momenta) = (self.basis.subcols(0, m), self.momenta.subcols(0, m));
-        let projected = momenta.transpose() * &self.images;
-        let symmetric = Mat::from_fn(m, m, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
-        // θ = 1/(λ + σ) ascending: the lowest modes are the last columns.
+        let image = |i: usize, j: usize| self.images[j].get(i).copied().unwrap_or(0.0);
+        let symmetric = Mat::from_fn(m, m, |i, j| 0.5 * (image(i, j) + image(j, i)));
+        // θ ascending: the lowest modes are the last columns.
         let (theta, vectors) = symmetric_eigen(symmetric.as_ref())?;
         let theta: Vec<f64> = theta.into_iter().rev().take(count).collect();
-        let y = Mat::from_fn(m, count, |i, k| vectors[(i, m - 1 - k)]);
-        let shapes = basis * &y;
-        let defect = Mat::from_fn(shapes.nrows(), count, |i, k| theta[k] * shapes[(i, k)])
-            - &self.images * &y;
-        let defect_momentum = mass * &defect;
-        let residual = (0..count)
-            .map(|k| {
-                (defect.col(k).transpose() * defect_momentum.col(k))
-                    .max(0.0)
-                    .sqrt()
-                    / theta[k]
-            })
-            .fold(0.0, f64::max);
-        let lambda = theta.iter().map(|t| 1.0 / t - shift).collect();
-        Ok((LowestModes { lambda, shapes }, residual))
+        let vectors = Mat::from_fn(m, count, |i, k| vectors[(i, m - 1 - k)]);
+        // a Ritz vector misses its image by what this has outside the space
+        let outside = Mat::from_fn(self.basis.ncols() - m, m, |i, j| image(m + i, j)) * &vectors;
+        let residuals = theta
+            .iter()
+            .enumerate()
+            .map(|(k, theta)| outside.col(k).norm_l2() / theta);
+        Ok(RitzPairs {
+            residual: residuals.fold(0.0, f64::max),
+            theta,
+            vectors,
+        })
+    }
+
+    /// The modes of eigenpairs of the space.
+    fn modes(&self, pairs: &RitzPairs, shift: f64) -> LowestModes {
+        LowestModes {
+            lambda: pairs.theta.iter().map(|t| 1.0 / t - shift).collect(),
+            shapes: self.basis.subcols(0, self.images.len()) * &pairs.vectors,
+        }
     }
 }
 
