@@ -363,3 +363,35 @@ fn one_input_at_a_time() {
     }
     assert!(text("report.html").contains("id=\"one-at-a-time\""));
 }
+
+/// First-order indices of rows from a file: what other programs write for their own estimates is refused, independent rows are not.
+/// Seen to fail before: points of a sequence had an index.
+#[test]
+fn rows_of_a_file_have_an_index_where_they_are_independent() {
+    let folder = study("limit-state", &[], "file", 512, "path = \"rows.csv\"\n");
+    let index = |rows: &dyn Fn(u32) -> [f64; 2]| -> Value {
+        let rows = (0..512).map(rows);
+        let text: String = rows
+            .map(|[x, y]| format!("{},{}\n", 150.0 + 100.0 * x, 100.0 + 100.0 * y))
+            .collect();
+        let text = format!("stiffness_scale,normal_stiffness_scale\n{text}");
+        std::fs::write(folder.path().join("rows.csv"), text).unwrap();
+        let results = folder.path().join("results");
+        let _ = std::fs::remove_dir_all(&results);
+        let output = microslip(folder.path(), &["run", "study.toml", "--quiet"]);
+        assert!(output.status.success(), "{output:?}");
+        let report = std::fs::read_to_string(results.join("report.json")).unwrap();
+        let report: Value = serde_json::from_str(&report).unwrap();
+        report["levels"][0]["influences"][0]["frequency"].clone()
+    };
+    let reversed = |i: u32| f64::from(i.reverse_bits()) / f64::from(u32::MAX);
+    let sequence = index(&|i| [f64::from(i) / 512.0, reversed(i)]);
+    let refused = sequence["refused"].as_str().unwrap();
+    assert!(refused.contains("regularly far apart"), "{refused}");
+    // fractional parts of large numbers that have no pattern along i
+    let scattered = |i: u32, k: f64| (f64::from(i + 1).sin() * k).rem_euclid(1.0);
+    let independent = index(&|i| [scattered(i, 43758.5453), scattered(i, 22578.1459)]);
+    let estimate = independent["index"]["index"]["estimate"].as_f64().unwrap();
+    // the result is the difference of two inputs of equal variance
+    assert!((estimate - 0.5).abs() < 0.15, "{independent}");
+}

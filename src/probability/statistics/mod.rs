@@ -36,6 +36,7 @@ pub mod exceedance;
 pub mod failure;
 pub mod given_data;
 mod hull;
+pub mod independent_rows;
 pub mod joint;
 pub mod limit;
 pub mod looks;
@@ -77,6 +78,7 @@ pub use given_data::{
     ConditionalMean, GivenData, GivenDataIndex, conditional_means, first_order_index,
 };
 pub use hull::hull;
+pub use independent_rows::independent_rows;
 pub use joint::{JointRegion, joint_region};
 pub use limit::{Interval, Limit};
 pub use looks::{confidence_at, looks};

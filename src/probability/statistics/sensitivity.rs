@@ -81,6 +81,18 @@ pub enum SensitivityRefusal {
          use replicates, a pick-freeze design or independent samples"
     )]
     OneSequence,
+    /// Rows that share the values of several inputs.
+    #[error(
+        "rows repeat the values of several inputs, as designs for other estimates and chains do, so that neighbours in one input \
+         are not random in the others; use independent rows, or the analysis that belongs to the design"
+    )]
+    RepeatedRows,
+    /// Rows whose neighbours in one input are regularly far apart in another.
+    #[error(
+        "neighbours in one input are regularly far apart in another, as in a sequence of quasi-random points; use independent \
+         rows, or the analysis that belongs to the design"
+    )]
+    RegularRows,
     /// Too few samples.
     #[error("{} too few, {needed} are needed", match found {
         1 => "1 sample is".to_owned(),

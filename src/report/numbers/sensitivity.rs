@@ -8,7 +8,7 @@ use crate::report::run::input::ReportInput;
 use crate::sampling::DesignKind;
 use crate::statistics::{
     Bootstrap, ConditionalMean, GivenData, GivenDataIndex, Interval, SobolIndex, conditional_means,
-    first_order_index, sobol_indices,
+    first_order_index, independent_rows, sobol_indices,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -95,9 +95,17 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
     if !input.record.design.mixed_inputs.is_empty() {
         return pick_freeze(input, i, value, &bootstrap);
     }
+    let nested = nested(input.outcomes);
+    if input.record.design.kind == DesignKind::File && !nested {
+        let columns: Vec<_> = (0..input.record.inputs.len())
+            .map(|j| column(input, j))
+            .collect();
+        if let Err(refusal) = independent_rows(&columns, bootstrap.seed) {
+            return vec![IndexResult::Refused(refusal.to_string()); columns.len()];
+        }
+    }
     let results = values(input.outcomes, i, value);
     let replicates = replicates(input);
-    let nested = nested(input.outcomes);
     let index = |j: usize| {
         if input.record.inputs[j].numbers_draws() {
             return IndexResult::Refused(NUMBERED.to_owned());

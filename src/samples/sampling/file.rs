@@ -130,11 +130,20 @@ fn not_a_number(input: Input, written: &dyn std::fmt::Display) -> String {
 }
 
 fn number(field: &Field) -> Option<f64> {
-    match *field {
-        Field::Double(value) => Some(value),
-        Field::Float(value) => Some(f64::from(value)),
-        Field::Int(value) => Some(f64::from(value)),
-        Field::Long(value) => Some(value as f64),
+    match field {
+        Field::Double(value) => Some(*value),
+        // the other numbers as they are written
+        Field::Byte(_)
+        | Field::Short(_)
+        | Field::Int(_)
+        | Field::Long(_)
+        | Field::UByte(_)
+        | Field::UShort(_)
+        | Field::UInt(_)
+        | Field::ULong(_)
+        | Field::Decimal(_) => field.to_string().parse().ok(),
+        Field::Float16(value) => Some(f64::from(*value)),
+        Field::Float(value) => Some(f64::from(*value)),
         _ => None,
     }
 }

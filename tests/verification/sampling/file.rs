@@ -4,7 +4,12 @@
     reason = "a test that cannot set up its design fails"
 )]
 
+use arrow_array::{
+    ArrayRef, Decimal128Array, Float32Array, Int8Array, Int16Array, RecordBatch, UInt32Array,
+    UInt64Array,
+};
 use microslip::sampling::{DesignSettings, DesignTable, Input, SampleTable};
+use parquet::arrow::ArrowWriter;
 use parquet::data_type::DoubleType;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
@@ -115,6 +120,35 @@ fn a_parquet_file_gives_its_rows() {
         error.contains("measured.parquet:2: friction_coefficient = -0.4"),
         "{error}"
     );
+}
+
+/// Columns of every type of number. Seen to fail before: "friction_coefficient = 1: must be a number" for small and for unsigned whole
+/// numbers and for decimals.
+#[test]
+fn every_type_of_number_is_read() {
+    let decimals = Decimal128Array::from(vec![150, 75])
+        .with_precision_and_scale(10, 2)
+        .unwrap();
+    let columns: [(ArrayRef, [f64; 2]); 6] = [
+        (Arc::new(Int8Array::from(vec![1, 2])), [1.0, 2.0]),
+        (Arc::new(Int16Array::from(vec![1, 2])), [1.0, 2.0]),
+        (Arc::new(UInt32Array::from(vec![1, 2])), [1.0, 2.0]),
+        (Arc::new(UInt64Array::from(vec![1, 2])), [1.0, 2.0]),
+        (Arc::new(Float32Array::from(vec![0.5, 2.0])), [0.5, 2.0]),
+        (Arc::new(decimals), [1.5, 0.75]),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("numbers.parquet");
+    for (column, expected) in columns {
+        let kind = column.data_type().clone();
+        let batch = RecordBatch::try_from_iter([("stiffness_scale", column)]).unwrap();
+        let file = std::fs::File::create(&path).unwrap();
+        let mut writer = ArrowWriter::try_new(file, batch.schema(), None).unwrap();
+        writer.write(&batch).unwrap();
+        writer.close().unwrap();
+        let table = SampleTable::read(&path).unwrap();
+        assert_eq!(table.rows, [[expected[0]], [expected[1]]], "{kind}");
+    }
 }
 
 /// A Parquet file with any byte of its footer changed is read or refused with its name, never a panic.
