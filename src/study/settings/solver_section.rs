@@ -122,7 +122,7 @@ pub struct SolverSection {
     #[schemars(range(min = 5, max = MOST_TIME_POINTS), extend("default" = DEFAULT_TIME_POINTS))]
     time_points: Option<usize>,
     /// Passes over the period from the start of the sliders; the forces are those of the last. Two are exact for the box law
-    /// and for one tangential direction.
+    /// and for one tangential direction; one is not, by up to a fifth of the amplitude.
     #[schemars(extend("default" = NamedLaps::Periodic))]
     laps: Option<LapsTable>,
     /// Largest residual over the static displacement of the contacts.

@@ -36,7 +36,7 @@ pub struct PressureField {
     /// ℓ (mm) of the correlation exp(−d² / 2 ℓ²) of two nodes at the distance d.
     #[schemars(range(min = CORRELATION_LENGTH_MM[0], max = CORRELATION_LENGTH_MM[1]))]
     pub correlation_length_mm: f64,
-    /// Modes per interface, not more than its contact nodes; `inspect` shows how much of the field's shape they hold.
+    /// Modes per interface, fewer than its contact nodes; `inspect` shows how much of the field's shape they hold.
     #[serde(default = "default_modes")]
     #[schemars(range(min = 1, max = Self::MOST_MODES))]
     pub modes: usize,
@@ -162,7 +162,7 @@ impl PressureField {
     /// [`BadSetting`] with a key relative to `[pressure_field]`.
     pub fn validate(&self, nodes: usize) -> Result<(), BadSetting> {
         positive("standard_deviation", self.standard_deviation)?;
-        let rule = "must be at most 0.3: a Gaussian field would lift the strip off";
+        let rule = "must be at most 0.3: beyond, a Gaussian field pulls at many nodes";
         let small = self.standard_deviation <= 0.3;
         BadSetting::unless(small, "standard_deviation", self.standard_deviation, rule)?;
         within(
