@@ -83,7 +83,7 @@ pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Ranks minus their mean (n + 1)/2; equal values share their mean rank.
-fn centred_ranks(values: &[f64]) -> Vec<f64> {
+pub(super) fn centred_ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     // equal values share a rank, whatever their order
     order.sort_unstable_by(|&i, &j| values[i].total_cmp(&values[j]));

@@ -113,25 +113,30 @@ struct Solved {
 
 /// Solved samples in the order of the input, those of the same input in random order.
 fn in_order(data: &GivenData) -> Vec<Solved> {
-    let n = data.inputs.len();
-    let mut places: Vec<usize> = (0..n).filter(|&i| data.results[i].is_finite()).collect();
-    let draw = Bootstrap {
-        seed: data.seed,
-        replicates: 1,
-        confidence: data.confidence,
-    };
-    let random = draw.permutation(0, n);
-    // random numbers are distinct, so that there is one order
-    places.sort_unstable_by(|&a, &b| {
-        let by_input = data.inputs[a].total_cmp(&data.inputs[b]);
-        by_input.then(random[a].cmp(&random[b]))
-    });
-    drop(random);
     let solved = |i: usize| Solved {
         result: data.results[i],
         group: data.replicates.map_or(i as u64, |all| all[i]),
     };
-    places.into_iter().map(solved).collect()
+    let places = ascending(data.inputs, data.seed).into_iter();
+    let places = places.filter(|&i| data.results[i].is_finite());
+    places.map(solved).collect()
+}
+
+/// Places of `values` in ascending order, those of the same value in random order.
+pub(super) fn ascending(values: &[f64], seed: u64) -> Vec<usize> {
+    let draw = Bootstrap {
+        seed,
+        replicates: 1,
+        confidence: 0.95,
+    };
+    let random = draw.permutation(0, values.len());
+    let mut places: Vec<usize> = (0..values.len()).collect();
+    // random numbers are distinct, so that there is one order
+    places.sort_unstable_by(|&a, &b| {
+        let by_value = values[a].total_cmp(&values[b]);
+        by_value.then(random[a].cmp(&random[b]))
+    });
+    places
 }
 
 /// What the differences of neighbours say.

@@ -7,8 +7,8 @@ use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::report::run::input::ReportInput;
 use crate::sampling::DesignKind;
 use crate::statistics::{
-    Bootstrap, ConditionalMean, GivenData, GivenDataIndex, Interval, SobolIndex, conditional_means,
-    first_order_index, independent_rows, sobol_indices,
+    Bootstrap, ConditionalMean, GivenData, GivenDataIndex, Interval, SensitivityRefusal,
+    SobolIndex, conditional_means, first_order_index, independent_rows, sobol_indices,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -96,13 +96,8 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
         return pick_freeze(input, i, value, &bootstrap);
     }
     let nested = nested(input.outcomes);
-    if input.record.design.kind == DesignKind::File && !nested {
-        let columns: Vec<_> = (0..input.record.inputs.len())
-            .map(|j| column(input, j))
-            .collect();
-        if let Err(refusal) = independent_rows(&columns, bootstrap.seed) {
-            return vec![IndexResult::Refused(refusal.to_string()); columns.len()];
-        }
+    if let Some(refusal) = dependent_rows(input).filter(|_| !nested) {
+        return vec![IndexResult::Refused(refusal.to_string()); input.record.inputs.len()];
     }
     let results = values(input.outcomes, i, value);
     let replicates = replicates(input);
@@ -127,6 +122,16 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
         }
     };
     (0..input.record.inputs.len()).map(index).collect()
+}
+
+/// Why the rows of a file have no index by ranks; none for rows that may be independent, and for any other design.
+fn dependent_rows(input: &ReportInput) -> Option<SensitivityRefusal> {
+    if input.record.design.kind != DesignKind::File {
+        return None;
+    }
+    let columns = (0..input.record.inputs.len()).map(|j| column(input, j));
+    let columns: Vec<_> = columns.collect();
+    independent_rows(&columns, input.record.provenance.seed).err()
 }
 
 /// Replicate of every sample of a design of quasi-random points, 0 where these are one sequence; absent for any other.
