@@ -279,7 +279,8 @@ fn samples_without_an_index_are_refused() {
 
 /// Rows of the designs that other packages write have no index by ranks (SALib's Saltelli rows had 0.11, 95 % from 0.07 to 0.20, where
 /// it is 0.01; Sobol' points -0.26): rows that share values, and points at regular distances. Independent rows pass, whether
-/// their columns depend on each other, have few values, or are drawn in strata.
+/// their columns depend on each other, have few values, or stand on a grid. Seen to fail with every shared value taken for a sign: columns of
+/// few values were refused.
 #[test]
 fn rows_that_are_no_independent_draws_are_told() {
     let columns = |rows: &[Vec<f64>]| -> Vec<Vec<f64>> {
