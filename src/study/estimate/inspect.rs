@@ -98,6 +98,8 @@ pub struct NodalFrequencies {
 const BEYOND_BAND: f64 = 1.5;
 /// Those of nodal diameters are shown as close to the band.
 const CLOSE_TO_BAND: f64 = 1.2;
+/// Below so many nodes of a sample that a random field of the load pulls at, nothing is said of them.
+const SELDOM_PULLED: f64 = 0.01;
 
 /// Natural frequencies of a study's model, in its unit.
 struct LinearFrequencies {
@@ -263,11 +265,15 @@ fn mass_of(components: &[(&'static str, ComponentSummary)]) -> [f64; 3] {
 
 fn pressure_field(inputs: &PressureInputs) -> Option<String> {
     let (modes, share) = (inputs.modes_per_interface(), inputs.variance_share);
-    let text = format!(
+    let held = format!(
         "{modes} modes per interface hold {:.0} % of the variance and are scaled to all of it",
         100.0 * share
     );
-    (modes > 0).then_some(text)
+    let pulls = match inputs.pulled_nodes {
+        few if few < SELDOM_PULLED => String::new(),
+        nodes => format!(": they pull at {nodes:.2} nodes of a sample in the mean"),
+    };
+    (modes > 0).then(|| held + &pulls)
 }
 
 fn warnings(

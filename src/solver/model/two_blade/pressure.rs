@@ -56,6 +56,8 @@ pub struct PressureInputs {
     /// Share of the mean variance that the modes hold before they are scaled to the whole of it: how much of the
     /// field's shape they have. The lower of both interfaces.
     pub variance_share: f64,
+    /// Mean number of nodes at which the field of a sample pulls.
+    pub pulled_nodes: f64,
 }
 
 impl PressureInputs {
@@ -89,10 +91,11 @@ impl PressureInputs {
             });
         };
         let mut modes = Vec::new();
-        let mut variance_share = 1.0f64;
+        let (mut variance_share, mut pulled_nodes) = (1.0f64, 0.0);
         for (interface, own) in nominal.chunks(nodes.len()).enumerate() {
             let (deviations, held) = field.share_deviations(&nodes, own)?;
             variance_share = variance_share.min(held);
+            pulled_nodes += mean_below_zero(own, &deviations);
             modes.extend(deviations.into_iter().map(|deviation| {
                 let mut shares = vec![0.0; nominal.len()];
                 shares[interface * nodes.len()..][..nodes.len()].copy_from_slice(&deviation);
@@ -103,6 +106,7 @@ impl PressureInputs {
             punch,
             modes,
             variance_share,
+            pulled_nodes,
         })
     }
 
@@ -150,6 +154,18 @@ fn nominal_shares(settings: &TwoBladeSettings, nodes: &[ContactCell]) -> Vec<f64
     };
     let total: f64 = nominal.iter().sum();
     nominal.iter().map(|share| share / total).collect()
+}
+
+/// Mean number of nodes whose load is below 0, where that of node i is `shares`ᵢ + Σ_k ξ_k `deviations`ₖᵢ with standard normal ξ_k.
+fn mean_below_zero(shares: &[f64], deviations: &[Vec<f64>]) -> f64 {
+    let probability = |(i, share): (usize, &f64)| {
+        let variance: f64 = deviations.iter().map(|mode| mode[i] * mode[i]).sum();
+        match variance > 0.0 {
+            true => 0.5 * libm::erfc(share / (2.0 * variance).sqrt()),
+            false => 0.0,
+        }
+    };
+    shares.iter().enumerate().map(probability).sum()
 }
 
 impl PressureField {
@@ -333,6 +349,36 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Draws of a field of short correlation pull at as many nodes as is said. Seen to fail with the variance in place of its root.
+    #[test]
+    fn the_number_of_pulled_nodes_is_that_of_draws() {
+        let (settings, mut field) = rig(8);
+        field.standard_deviation = 0.3;
+        field.correlation_length_mm = 1.0;
+        let inputs = PressureInputs::new(&settings, false, Some(&field)).unwrap();
+        let nodes = Layout::new(&settings).unwrap().contact_cells();
+        let nominal = nominal_shares(&settings, &nodes);
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let n = 4000;
+        let mut pulled = 0;
+        for _ in 0..n {
+            let mut share = nominal.clone();
+            for mode in &inputs.modes {
+                let xi: f64 = random.sample(rand_distr::StandardNormal);
+                share.iter_mut().zip(mode).for_each(|(s, m)| *s += xi * m);
+            }
+            pulled += share.iter().filter(|share| **share < 0.0).count();
+        }
+        let found = pulled as f64 / f64::from(n);
+        let expected = inputs.pulled_nodes;
+        let error = (expected / f64::from(n)).sqrt();
+        assert!(expected > 0.1, "{expected}");
+        assert!(
+            (found - expected).abs() < 6.0 * error,
+            "{found}, not {expected}"
+        );
     }
 
     /// On three columns the outer ones carry 1/2 − asin(4/9)/π each; on many it has the profile 2/(π √(1 − 4 s²)) and keeps the load.
