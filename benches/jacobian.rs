@@ -21,7 +21,7 @@ use microslip::hb::{
     Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, StabilityScope,
 };
 use microslip::linalg::gcr::{GcrSettings, SearchSpace};
-use microslip::model::interface::{InterfaceSettings, Share};
+use microslip::model::interface::{InterfaceSettings, StiffnessShare};
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::units::hz_to_rad_s;
 use std::ops::Range;
@@ -64,7 +64,7 @@ impl State {
             normal_stiffness: scale * 1e9,
             tangential_stiffness: scale * 0.233e9,
             friction_coefficient: mu,
-            share: Share::TributaryArea,
+            share: StiffnessShare::TributaryArea,
         };
         let contacts = interface.parameters(&rig.reduced.contacts);
         let problem =

@@ -4,7 +4,7 @@ use super::roofline::Peak;
 use super::states::batch;
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Want, evaluate};
 use microslip::contact::{Events, FrictionLaw};
-use microslip::gpu::{Buffers, Device, Kernels, Precision, ScaledStates, Shape};
+use microslip::gpu::{Buffers, Device, Kernels, Precision, ScaledStates, ShaderKey};
 use microslip::harmonics::HarmonicSet;
 use std::time::Instant;
 
@@ -87,7 +87,7 @@ impl Case {
         n_states: usize,
     ) -> Self {
         let plan = plan(law, set, n_time);
-        let shape = Shape::of(&plan, Precision::F32).expect("both laws have a shader");
+        let shape = ShaderKey::of(&plan, Precision::F32).expect("both laws have a shader");
         let kernels = Kernels::new(device, shape).expect("it compiles");
         let buffers = kernels.buffers(device, n_states).expect("memory");
         let states = ScaledStates::new(&batch(set, n_states)).expect("finite");

@@ -27,7 +27,7 @@ const MOST_ROUNDS: usize = 4;
 
 /// What a calibration is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub enum CalibrationStage {
     /// Samples of the study are solved.
     Samples(usize),
     /// Chains draw, in a round counted from 1.
@@ -45,7 +45,7 @@ pub fn calibrate(
     study: Study,
     measured: &Path,
     settings: &CalibrationSettings,
-    progress: impl Fn(Stage),
+    progress: impl Fn(CalibrationStage),
 ) -> Result<Calibrated, Error> {
     let path = study.path.clone();
     let refused = |message: String| Error::unfit(&path, message);
@@ -54,7 +54,7 @@ pub fn calibrate(
     let observations = observed(&study, measured)?;
     let samples = number_of_samples(&study, settings).map_err(refused)?;
     let origin = origin(&study, measured)?;
-    progress(Stage::Samples(samples));
+    progress(CalibrationStage::Samples(samples));
     let never = Stop::default();
     let stopped = |error: EvaluationError| refused(error.to_string());
     let anchors = ANCHORS.min(samples as u64);
@@ -68,10 +68,10 @@ pub fn calibrate(
         let surrogates = fitted.map_err(refused)?;
         let asked = settings.discrepancy;
         let posterior = Posterior::new(&prior, &surrogates, &observations, asked);
-        progress(Stage::Chains(rounds.len() + 1));
+        progress(CalibrationStage::Chains(rounds.len() + 1));
         let chains = Chains::draw(&posterior, settings);
         let chains = chains.map_err(refused)?;
-        progress(Stage::Check(settings.checked));
+        progress(CalibrationStage::Check(settings.checked));
         let scores = spread(&chains, settings.checked, posterior.scores());
         let values = |z: &Vec<f64>| prior.with_fixed(&prior.values(z));
         let draws: Vec<Vec<f64>> = scores.iter().map(values).collect();

@@ -1,6 +1,6 @@
 //! What a calibration has found: `calibration.json`.
 
-use super::observation::{Observation, Quantity};
+use super::observation::{Observation, ObservedQuantity};
 use super::settings::CalibrationSettings;
 use crate::ensemble::program::Program;
 use crate::file::FileRecord;
@@ -144,7 +144,7 @@ impl Quantiles {
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FoundDeviation {
     /// The quantity; of a frequency in Hz, of an amplitude relative.
-    pub quantity: Quantity,
+    pub quantity: ObservedQuantity,
     /// Its quantiles.
     pub posterior: Quantiles,
     /// How well the chains agree.

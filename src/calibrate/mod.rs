@@ -34,10 +34,10 @@ mod warm_up;
 mod warnings;
 pub mod write;
 
-pub use calibration::{Stage, calibrate};
+pub use calibration::{CalibrationStage, calibrate};
 pub use chains::Chains;
 pub use found::{Calibrated, CalibratedInput, Calibration};
-pub use observation::{Observations, Quantity};
+pub use observation::{Observations, ObservedQuantity};
 pub use posterior::Posterior;
 pub use prior::Prior;
 pub use settings::CalibrationSettings;

@@ -21,7 +21,7 @@ const DIVERGENT: f64 = 1000.0;
 
 /// A place on a path.
 #[derive(Debug, Clone)]
-struct Point {
+struct ChainPoint {
     position: Vec<f64>,
     momentum: Vec<f64>,
     gradient: Vec<f64>,
@@ -52,7 +52,7 @@ struct Subtree {
     /// Sum of all momenta.
     sum: Vec<f64>,
     /// A place drawn from it by its weights.
-    proposal: Point,
+    proposal: ChainPoint,
     /// Logarithm of the sum of the weights.
     log_weight: f64,
     /// No U-turn and no divergence.
@@ -105,7 +105,7 @@ impl Metric {
 pub(super) struct Chain<'a> {
     density: &'a LogDensity<'a>,
     generator: ChaCha20Rng,
-    at: Point,
+    at: ChainPoint,
     step: f64,
     metric: Metric,
 }
@@ -124,7 +124,7 @@ impl<'a> Chain<'a> {
         finite.then(|| Self {
             density,
             generator,
-            at: Point {
+            at: ChainPoint {
                 position,
                 momentum: vec![0.0; n],
                 gradient,
@@ -201,7 +201,7 @@ impl<'a> Chain<'a> {
     /// Takes 2^depth steps from `at`, which ends at the last one.
     fn build_tree(
         &mut self,
-        at: &mut Point,
+        at: &mut ChainPoint,
         direction: TimeDirection,
         depth: u32,
         start: f64,
@@ -226,7 +226,7 @@ impl<'a> Chain<'a> {
 
     fn one_step(
         &self,
-        at: &mut Point,
+        at: &mut ChainPoint,
         direction: TimeDirection,
         start: f64,
         tally: &mut Tally,
@@ -306,7 +306,7 @@ impl<'a> Chain<'a> {
         along(one) > 0.0 && along(other) > 0.0
     }
 
-    fn energy(&self, at: &Point) -> f64 {
+    fn energy(&self, at: &ChainPoint) -> f64 {
         let velocity = self.metric.velocity(&at.momentum);
         let twice: f64 = velocity.iter().zip(&at.momentum).map(|(v, p)| v * p).sum();
         0.5 * twice - at.density

@@ -8,14 +8,14 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// A measured quantity of a resonance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Quantity {
+pub enum ObservedQuantity {
     /// Resonance frequency (Hz).
     Frequency,
     /// Natural logarithm of the amplitude in m, so that scatter is relative.
     LogAmplitude,
 }
 
-impl Quantity {
+impl ObservedQuantity {
     /// Both, in the order of every list by quantity.
     pub const ALL: [Self; 2] = [Self::Frequency, Self::LogAmplitude];
 
@@ -37,7 +37,7 @@ pub struct Observation {
     /// Place of the level among those of the study.
     pub level: usize,
     /// The quantity.
-    pub quantity: Quantity,
+    pub quantity: ObservedQuantity,
     /// Mean over the repetitions, weighted where they state deviations.
     pub mean: f64,
     /// Number of repetitions.
@@ -116,12 +116,12 @@ impl Observations {
             let place = levels.iter().position(same).ok_or_else(refused)?;
             at[place].push(point);
         }
-        let is_stated = |quantity: Quantity| {
+        let is_stated = |quantity: ObservedQuantity| {
             let mut points = record.points.iter();
             points.all(|point| quantity.of(point).1.is_some())
         };
         let (mut scatter, mut stated) = ([None; 2], [None; 2]);
-        for (k, quantity) in Quantity::ALL.into_iter().enumerate() {
+        for (k, quantity) in ObservedQuantity::ALL.into_iter().enumerate() {
             match is_stated(quantity) {
                 true => stated[k] = stated_check(quantity, &at),
                 false => {
@@ -135,7 +135,7 @@ impl Observations {
             .enumerate()
             .filter(|(_, points)| !points.is_empty());
         let means = measured.flat_map(|(level, points)| {
-            let quantities = Quantity::ALL.into_iter().zip(scatter);
+            let quantities = ObservedQuantity::ALL.into_iter().zip(scatter);
             quantities.map(move |(quantity, scatter)| mean(level, quantity, points, scatter))
         });
         let means = means.collect();
@@ -157,7 +157,7 @@ impl Observations {
 
 fn mean(
     level: usize,
-    quantity: Quantity,
+    quantity: ObservedQuantity,
     points: &[&ResponsePoint],
     scatter: Option<Scatter>,
 ) -> Observation {
@@ -180,7 +180,7 @@ fn mean(
 }
 
 /// Scatter of the repetitions about the means of their levels.
-fn pooled(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Result<Scatter, BadSetting> {
+fn pooled(quantity: ObservedQuantity, at: &[Vec<&ResponsePoint>]) -> Result<Scatter, BadSetting> {
     let (mut square, mut degrees_of_freedom) = (0.0, 0);
     for points in at.iter().filter(|points| points.len() > 1) {
         let values: Vec<f64> = points.iter().map(|p| quantity.of(p).0).collect();
@@ -189,8 +189,8 @@ fn pooled(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Result<Scatter, Bad
         degrees_of_freedom += values.len() - 1;
     }
     let key = match quantity {
-        Quantity::Frequency => "frequency deviation",
-        Quantity::LogAmplitude => "amplitude deviation",
+        ObservedQuantity::Frequency => "frequency deviation",
+        ObservedQuantity::LogAmplitude => "amplitude deviation",
     };
     let rule = "must be a column of the file, or levels must be repeated, at least three rows more than levels, with numbers that \
                 differ: nothing else says how far a measurement is to be trusted";
@@ -204,7 +204,7 @@ fn pooled(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Result<Scatter, Bad
 
 /// Repetitions against their stated deviations: Σ ((y − ȳ)/σ)² about the weighted means ȳ of the levels is χ² with one degree of
 /// freedom less per level than repetitions.
-fn stated_check(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Option<StatedCheck> {
+fn stated_check(quantity: ObservedQuantity, at: &[Vec<&ResponsePoint>]) -> Option<StatedCheck> {
     let (mut square, mut degrees_of_freedom) = (0.0, 0);
     for points in at.iter().filter(|points| points.len() > 1) {
         let about = mean(0, quantity, points, None).mean;

@@ -1,7 +1,7 @@
 //! `calibration.html`: the inputs before and after, what the calibrated model predicts, and whether the chains agree.
 
 use super::found::{Calibrated, CalibratedInput, Calibration, Checked};
-use super::observation::Quantity;
+use super::observation::ObservedQuantity;
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use crate::page::display::{DASH, from_to, level_name, percent, with_digits};
@@ -184,10 +184,10 @@ fn pairs(found: &Calibrated, style: &str) -> Option<Section> {
 }
 
 /// A number in the unit of the page: Hz, µm.
-fn shown(quantity: Quantity, value: f64) -> f64 {
+fn shown(quantity: ObservedQuantity, value: f64) -> f64 {
     match quantity {
-        Quantity::Frequency => value,
-        Quantity::LogAmplitude => 1e6 * exp(value),
+        ObservedQuantity::Frequency => value,
+        ObservedQuantity::LogAmplitude => 1e6 * exp(value),
     }
 }
 
@@ -195,8 +195,8 @@ fn shown(quantity: Quantity, value: f64) -> f64 {
 fn predictions(summary: &Calibration, style: &str) -> Section {
     let mut figures = Vec::new();
     for (quantity, name) in [
-        (Quantity::Frequency, "Resonance frequency (Hz)"),
-        (Quantity::LogAmplitude, "Amplitude (µm)"),
+        (ObservedQuantity::Frequency, "Resonance frequency (Hz)"),
+        (ObservedQuantity::LogAmplitude, "Amplitude (µm)"),
     ] {
         let of = summary.observations.iter();
         let of: Vec<&Checked> = of.filter(|o| o.measured.quantity == quantity).collect();
@@ -245,7 +245,7 @@ fn surrogate_table(summary: &Calibration) -> Block {
         "surrogates",
         &[
             ("Level", &["level"]),
-            ("Quantity", &["quantity"]),
+            ("ObservedQuantity", &["quantity"]),
             ("Held out", &["held_out_rms"]),
             ("In the likelihood", &["deviation"]),
             ("At the posterior", &["at_posterior_rms"]),
@@ -253,8 +253,8 @@ fn surrogate_table(summary: &Calibration) -> Block {
     );
     for one in &summary.observations {
         let quantity = match one.measured.quantity {
-            Quantity::Frequency => "frequency (Hz)",
-            Quantity::LogAmplitude => "amplitude (relative)",
+            ObservedQuantity::Frequency => "frequency (Hz)",
+            ObservedQuantity::LogAmplitude => "amplitude (relative)",
         };
         let level = summary.origin.levels[one.measured.level];
         let error = one.error_at_posterior;

@@ -4,7 +4,7 @@
 //! p = −½ |z|² − ½ Σ ((y − m)² / V + ln V) with V = σ²/n + s² + d² (Kennedy & O'Hagan, J. R. Stat. Soc. B 63 (2001) 425–464, with
 //! one discrepancy per level). The standard deviation d is an unknown, too, with a prior.
 
-use super::observation::{Observation, Observations, Quantity};
+use super::observation::{Observation, Observations, ObservedQuantity};
 use super::prior::Prior;
 use super::settings::Discrepancy;
 use super::surrogate::Surrogates;
@@ -14,7 +14,7 @@ use libm::{exp, log};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
     /// Of which quantity.
-    pub quantity: Quantity,
+    pub quantity: ObservedQuantity,
     /// Its median before.
     pub scale: f64,
 }
@@ -50,7 +50,7 @@ impl<'a> Posterior<'a> {
         discrepancy: Discrepancy,
     ) -> Self {
         let scales = [discrepancy.frequency_hz, discrepancy.amplitude];
-        let each = Quantity::ALL.into_iter().zip(scales);
+        let each = ObservedQuantity::ALL.into_iter().zip(scales);
         let asked = each.filter(|(_, scale)| *scale > 0.0);
         Self {
             prior,

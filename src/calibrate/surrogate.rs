@@ -1,6 +1,6 @@
 //! Surrogates of frequency and amplitude at each measured level, and what they are worth.
 
-use super::observation::Quantity;
+use super::observation::ObservedQuantity;
 use super::prior::{Coordinates, Prior};
 use crate::statistics::{
     Chaos, ChaosRefusal, ChaosSettings, HoldOutSettings, PredictionError, SurrogateSamples,
@@ -24,7 +24,7 @@ pub struct Surrogate {
     /// Place of the level among those of the study.
     pub level: usize,
     /// The quantity.
-    pub quantity: Quantity,
+    pub quantity: ObservedQuantity,
     /// Expansion over the coordinates of the prior.
     pub expansion: Chaos,
     /// Its error at samples that did not shape it.
@@ -66,13 +66,13 @@ impl Surrogates {
             .collect();
         let mut all = Vec::new();
         for level in levels {
-            for (q, quantity) in Quantity::ALL.into_iter().enumerate() {
+            for (q, quantity) in ObservedQuantity::ALL.into_iter().enumerate() {
                 let results: Vec<f64> = points.results.iter().map(|r| r[*level][q]).collect();
                 let fitted = fit(prior, &coordinates, &results, points.of_prior, seed);
                 let (expansion, held_out, deviation) = fitted.map_err(|reason| {
                     let name = match quantity {
-                        Quantity::Frequency => "frequency",
-                        Quantity::LogAmplitude => "amplitude",
+                        ObservedQuantity::Frequency => "frequency",
+                        ObservedQuantity::LogAmplitude => "amplitude",
                     };
                     format!("no surrogate of the {name} at level {level}, counted from 0: {reason}")
                 })?;

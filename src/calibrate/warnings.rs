@@ -2,7 +2,7 @@
 
 use super::check::largest_ratio;
 use super::found::{CalibratedInput, Checked, FoundDeviation, Round};
-use super::observation::{Quantity, StatedCheck};
+use super::observation::{ObservedQuantity, StatedCheck};
 use super::surrogate::FEWEST_LOCAL;
 use crate::page::display::with_digits;
 use crate::statistics::Mixing;
@@ -45,7 +45,7 @@ pub(super) fn warnings(of: &Judged<'_>) -> Vec<String> {
             .iter()
             .filter_map(|o| beyond_prior(o, of.levels)),
     );
-    let stated = Quantity::ALL.into_iter().zip(of.stated);
+    let stated = ObservedQuantity::ALL.into_iter().zip(of.stated);
     found.extend(stated.filter_map(|(quantity, check)| understated(quantity, check?)));
     found.extend(of.inputs.iter().filter_map(at_the_edge));
     if of.misfit < LEAST_MISFIT {
@@ -77,10 +77,10 @@ pub(super) fn name_of(checked: &Checked, levels: &[f64]) -> String {
     format!("{quantity} at level {}", levels[checked.measured.level])
 }
 
-fn name_of_quantity(quantity: Quantity) -> &'static str {
+fn name_of_quantity(quantity: ObservedQuantity) -> &'static str {
     match quantity {
-        Quantity::Frequency => "resonance frequency",
-        Quantity::LogAmplitude => "amplitude",
+        ObservedQuantity::Frequency => "resonance frequency",
+        ObservedQuantity::LogAmplitude => "amplitude",
     }
 }
 
@@ -96,10 +96,10 @@ fn beyond_prior(checked: &Checked, levels: &[f64]) -> Option<String> {
 }
 
 /// Stated deviations that the repetitions contradict.
-fn understated(quantity: Quantity, check: StatedCheck) -> Option<String> {
+fn understated(quantity: ObservedQuantity, check: StatedCheck) -> Option<String> {
     let column = match quantity {
-        Quantity::Frequency => "frequency deviation",
-        Quantity::LogAmplitude => "amplitude deviation",
+        ObservedQuantity::Frequency => "frequency deviation",
+        ObservedQuantity::LogAmplitude => "amplitude deviation",
     };
     (check.probability < LEAST_STATED).then(|| {
         format!(

@@ -11,7 +11,7 @@ use microslip::Error;
 use microslip::calibrate::found::Round;
 use microslip::calibrate::settings::Discrepancy;
 use microslip::calibrate::write::FILES;
-use microslip::calibrate::{Calibration, CalibrationSettings, Stage, calibrate};
+use microslip::calibrate::{Calibration, CalibrationSettings, CalibrationStage, calibrate};
 use microslip::file::refuse_inputs;
 use microslip::study::{OutputFolder, Study};
 use serde_json::json;
@@ -89,21 +89,21 @@ impl CalibrateArguments {
         })
     }
 
-    fn tell(&self, stage: Stage) {
+    fn tell(&self, stage: CalibrationStage) {
         let Messages { quiet, log } = self.process.messages;
         if quiet {
             return;
         }
         let (words, fields) = match stage {
-            Stage::Samples(n) => (
+            CalibrationStage::Samples(n) => (
                 format!("solving {n} samples"),
                 json!({ "stage": "samples", "samples": n }),
             ),
-            Stage::Chains(round) => (
+            CalibrationStage::Chains(round) => (
                 format!("round {round}: fit, and chains"),
                 json!({ "stage": "chains", "round": round }),
             ),
-            Stage::Check(n) => (
+            CalibrationStage::Check(n) => (
                 format!("solving {n} draws of the posterior"),
                 json!({ "stage": "check", "draws": n }),
             ),

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use microslip::Error;
-use microslip::study::Share;
+use microslip::study::SampleShare;
 
 #[derive(Args)]
 #[group(multiple = false)]
@@ -23,7 +23,7 @@ pub(super) enum Work {
     /// One process solves all.
     Alone,
     /// This one solves a share.
-    Share(Share),
+    Share(SampleShare),
     /// Several solve together; this one has the rank.
     Together(u64),
 }
@@ -32,7 +32,7 @@ impl Shares {
     pub(super) fn work(&self) -> Result<Work, Error> {
         Ok(match (&self.shard, self.only_atlas, self.join) {
             (Some(shard), ..) => Work::Share(shard.share()?),
-            (None, true, _) => Work::Share(Share::Atlas),
+            (None, true, _) => Work::Share(SampleShare::Atlas),
             (None, _, true) => Work::Together(rank()),
             (None, false, false) => Work::Alone,
         })
@@ -49,7 +49,7 @@ enum Shard {
 }
 
 impl Shard {
-    fn share(self) -> Result<Share, Error> {
+    fn share(self) -> Result<SampleShare, Error> {
         let (number, of) = match self {
             Self::Given(number, of) => (number, of),
             Self::Array => in_array().ok_or_else(|| Error::Option {
@@ -57,7 +57,7 @@ impl Shard {
                 rule: "must be I/N where SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_MIN and SLURM_ARRAY_TASK_COUNT are not set",
             })?,
         };
-        Ok(Share::Shard { number, of })
+        Ok(SampleShare::Shard { number, of })
     }
 }
 

@@ -19,7 +19,7 @@ mod simulated;
 
 use microslip::calibrate::observation::{Observation, Observations};
 use microslip::calibrate::surrogate::SolvedPoints;
-use microslip::calibrate::{Prior, Quantity, Surrogates};
+use microslip::calibrate::{ObservedQuantity, Prior, Surrogates};
 use microslip::sampling::Uncertainty;
 use microslip::sampling::stream::uniform;
 use microslip::sampling::{Design, DesignSettings, Distribution, Input, KnownCorrelation, Shape};
@@ -68,7 +68,7 @@ fn surrogates(prior: &Prior, design: &Design, response: impl Fn(&[f64]) -> [f64;
 
 /// Both quantities of one level with stated standard deviations.
 fn observed(values: [f64; 2], deviations: [f64; 2]) -> Observations {
-    let one = |(quantity, (mean, deviation)): (Quantity, (f64, f64))| Observation {
+    let one = |(quantity, (mean, deviation)): (ObservedQuantity, (f64, f64))| Observation {
         level: 0,
         quantity,
         mean,
@@ -77,7 +77,11 @@ fn observed(values: [f64; 2], deviations: [f64; 2]) -> Observations {
     };
     let pairs = values.into_iter().zip(deviations);
     Observations {
-        means: Quantity::ALL.into_iter().zip(pairs).map(one).collect(),
+        means: ObservedQuantity::ALL
+            .into_iter()
+            .zip(pairs)
+            .map(one)
+            .collect(),
         scatter: [None; 2],
         stated: [None; 2],
     }

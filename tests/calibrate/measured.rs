@@ -4,7 +4,7 @@ use super::{normal_prior, observed, surrogates};
 use microslip::calibrate::observation::Observations;
 use microslip::calibrate::predictive::{below_measured, misfit};
 use microslip::calibrate::settings::Discrepancy;
-use microslip::calibrate::{Posterior, Quantity};
+use microslip::calibrate::{ObservedQuantity, Posterior};
 use microslip::record::{ResponsePoint, ResponseRecord};
 
 fn near(found: f64, expected: f64, what: &str) {
@@ -41,7 +41,10 @@ fn repetitions_tell_their_scatter() {
     // (1 + 0 + 1 + 9 + 0 + 9) / 4
     near(scatter.standard_deviation, 5.0_f64.sqrt(), "scatter");
     let second = found.means[2];
-    assert_eq!((second.level, second.quantity), (1, Quantity::Frequency));
+    assert_eq!(
+        (second.level, second.quantity),
+        (1, ObservedQuantity::Frequency)
+    );
     near(second.mean, 203.0, "mean");
     near(
         second.variance,

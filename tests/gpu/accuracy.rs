@@ -3,10 +3,10 @@
 use crate::device;
 use crate::states::{plan, random};
 use microslip::aft::{
-    AftBatch, AftForces, AftPlan, AftReal, AftScratch, Block, Tangent, Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftReal, AftScratch, Tangent, TangentBlock, Want, evaluate,
 };
 use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
-use microslip::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
+use microslip::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, ShaderKey};
 use microslip::harmonics::HarmonicSet;
 
 /// States of a comparison.
@@ -30,7 +30,7 @@ fn on_device(
     precision: Precision,
     scaled: &ScaledStates,
 ) -> ScaledForces {
-    let shape = Shape::of(plan, precision).expect("there is a shader");
+    let shape = ShaderKey::of(plan, precision).expect("there is a shader");
     let kernels = Kernels::new(device, shape).expect("the shader compiles");
     let buffers = kernels
         .buffers(device, scaled.n_states)
@@ -83,11 +83,11 @@ fn answers<T: Real>(out: &AftForces<T>, batch: &AftBatch<T>) -> Vec<Answer> {
             let p = &batch.parameters[i];
             let (stuck, tangent) = match out.tangents[i] {
                 Tangent::Stuck => {
-                    let mut blocks = vec![0.0; Block::COUNT * m * m];
+                    let mut blocks = vec![0.0; TangentBlock::COUNT * m * m];
                     for (block, k) in [
-                        (Block::T1T1, p.k_t[0]),
-                        (Block::T2T2, p.k_t[1]),
-                        (Block::NN, p.k_n),
+                        (TangentBlock::T1T1, p.k_t[0]),
+                        (TangentBlock::T2T2, p.k_t[1]),
+                        (TangentBlock::NN, p.k_n),
                     ] {
                         (0..m)
                             .for_each(|a| blocks[block as usize * m * m + a * m + a] = k.to_f64());
@@ -95,7 +95,7 @@ fn answers<T: Real>(out: &AftForces<T>, batch: &AftBatch<T>) -> Vec<Answer> {
                     (true, blocks)
                 }
                 Tangent::Blocks(offset) => {
-                    let blocks = &out.blocks[offset..][..Block::COUNT * m * m];
+                    let blocks = &out.blocks[offset..][..TangentBlock::COUNT * m * m];
                     (false, blocks.iter().map(|x| x.to_f64()).collect())
                 }
             };
@@ -453,7 +453,7 @@ fn answers_do_not_depend_on_the_batch() {
 fn assert_independent(device: &Device, (law, events): (FrictionLaw, Events)) {
     let set = HarmonicSet::up_to(3);
     let plan = plan::<f64>(&set, 64, law, events);
-    let shape = Shape::of(&plan, Precision::F32).unwrap();
+    let shape = ShaderKey::of(&plan, Precision::F32).unwrap();
     let kernels = Kernels::new(device, shape).unwrap();
     let buffers = kernels.buffers(device, 400).unwrap();
     let parts: Vec<ScaledStates> = [(3, 70), (4, 33), (5, 129), (6, 1)]

@@ -2,7 +2,7 @@
 
 use crate::states::{located, plan};
 use microslip::contact::{Events, FrictionLaw};
-use microslip::gpu::{Access, Precision, Reflection, Shape};
+use microslip::gpu::{Access, Precision, Reflection, ShaderKey};
 use microslip::harmonics::HarmonicSet;
 
 const PRECISIONS: [(Precision, u64); 2] = [(Precision::F32, 4), (Precision::F64, 8)];
@@ -16,19 +16,22 @@ const LAWS: [(FrictionLaw, Events, u64, usize); 4] = [
 ];
 
 /// Sets that ladder, default study and alert use, with the time points that come with them.
-fn shapes(precision: Precision, (law, events): (FrictionLaw, Events)) -> Vec<Shape> {
+fn shapes(precision: Precision, (law, events): (FrictionLaw, Events)) -> Vec<ShaderKey> {
     let mut shapes = Vec::new();
     for h in [1, 2, 3, 5, 7, 8, 9, 13, 21] {
         for n_time in [64, 128, 256] {
             let set = HarmonicSet::up_to(h);
             if n_time > 4 * h {
-                let shape = Shape::of(&plan::<f64>(&set, n_time, law, events), precision);
+                let shape = ShaderKey::of(&plan::<f64>(&set, n_time, law, events), precision);
                 shapes.push(shape.unwrap_or_else(|| panic!("H = {h}, Nt = {n_time}: no shader")));
             }
         }
     }
     let odd = HarmonicSet::new(vec![0, 1, 3, 5]).unwrap();
-    shapes.extend(Shape::of(&plan::<f64>(&odd, 64, law, events), precision));
+    shapes.extend(ShaderKey::of(
+        &plan::<f64>(&odd, 64, law, events),
+        precision,
+    ));
     shapes
 }
 
@@ -105,11 +108,13 @@ fn other_events_have_no_shader() {
     let set = HarmonicSet::up_to(5);
     for events in [Events::Sampled, Events::Interpolated] {
         let plan = plan::<f64>(&set, 128, FrictionLaw::Box, events);
-        assert!(Shape::of(&plan, Precision::F32).is_none());
+        assert!(ShaderKey::of(&plan, Precision::F32).is_none());
     }
     let suits = |h: usize, n_time: usize| {
         let plan = located::<f64>(&HarmonicSet::up_to(h), n_time);
-        Shape::of(&plan, Precision::F32).unwrap().suits_software()
+        ShaderKey::of(&plan, Precision::F32)
+            .unwrap()
+            .suits_software()
     };
     assert!(suits(5, 128) && !suits(13, 256) && !suits(21, 256));
 }

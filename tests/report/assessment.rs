@@ -2,7 +2,7 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
-use microslip::report::asked::{MarginBase, Quantity};
+use microslip::report::asked::{MarginBase, RequiredQuantity};
 use microslip::report::numbers::{Exceeded, Quantiles};
 use microslip::report::run::InputRecord;
 use microslip::report::verdict::CriterionResult;
@@ -198,7 +198,10 @@ fn the_prior_is_stated() {
         let section = section.split("</section>").next().unwrap();
         assert!(section.contains("Conditional on the assumed"), "{id}");
     }
-    for quantity in [Quantity::FrequencyMarginPercent, Quantity::ReserveFactor] {
+    for quantity in [
+        RequiredQuantity::FrequencyMarginPercent,
+        RequiredQuantity::ReserveFactor,
+    ] {
         assert!(quantity.at_least(), "{quantity:?}");
     }
 }

@@ -9,7 +9,9 @@ use microslip::ensemble::outcome::{
 use microslip::ensemble::store::{ATLAS_FILE, Provenance, SolvedFiles, StoredStudy};
 use microslip::hb::{PeakRoute, SliderAnchor, Status};
 use microslip::report::asked::Bands;
-use microslip::report::asked::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
+use microslip::report::asked::{
+    Criterion, MarginBase, Operation, RequiredQuantity, Requirements, Stress,
+};
 use microslip::report::run::{
     DesignRecord, FileRecord, InputRecord, LinearRecord, StaticLoadRecord, TABLES,
 };
@@ -239,10 +241,25 @@ fn requirements() -> Requirements {
             ultimate_strength_mpa: 900.0,
         }),
         criteria: vec![
-            criterion("margin", Quantity::FrequencyMarginPercent, 5.0, None),
-            criterion("amplitude", Quantity::AmplitudeUm, 100.0, Some(20.0)),
-            criterion("reserve", Quantity::ReserveFactor, 1.2, Some(50.0)),
-            criterion("risk", Quantity::ProbabilityOfExceedance, 0.05, Some(50.0)),
+            criterion(
+                "margin",
+                RequiredQuantity::FrequencyMarginPercent,
+                5.0,
+                None,
+            ),
+            criterion(
+                "amplitude",
+                RequiredQuantity::AmplitudeUm,
+                100.0,
+                Some(20.0),
+            ),
+            criterion("reserve", RequiredQuantity::ReserveFactor, 1.2, Some(50.0)),
+            criterion(
+                "risk",
+                RequiredQuantity::ProbabilityOfExceedance,
+                0.05,
+                Some(50.0),
+            ),
         ],
     }
 }

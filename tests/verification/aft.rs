@@ -8,8 +8,8 @@ mod plain_march;
 mod steady;
 
 use microslip::aft::{
-    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateSummary,
-    Tangent, Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Periodicity, StateSummary,
+    Tangent, TangentBlock, Want, evaluate,
 };
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::harmonics::{HarmonicSet, phases};
@@ -161,7 +161,7 @@ fn apply_tangent(
         return x.iter().enumerate().map(|(j, x)| k[j / m] * x).collect();
     };
     let mut product = vec![0.0; 3 * m];
-    for block in Block::ALL {
+    for block in TangentBlock::ALL {
         let x = &x[block.column_component() * m..][..m];
         let product = &mut product[block.row_component() * m..][..m];
         let rows = out.block(offset, block).chunks_exact(m);

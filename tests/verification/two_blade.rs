@@ -15,7 +15,7 @@ use microslip::contact::ContactParameters;
 use microslip::hb::LinearModel;
 use microslip::linalg::symmetric_generalized_eigen;
 use microslip::model::ReducedModel;
-use microslip::model::interface::{InterfaceSettings, Share};
+use microslip::model::interface::{InterfaceSettings, StiffnessShare};
 use microslip::model::two_blade::{Phase, TwoBladeModel, TwoBladeSettings, build};
 use std::sync::LazyLock;
 
@@ -32,7 +32,7 @@ pub(crate) fn contacts(model: &ReducedModel, scale: f64, mu: f64) -> Vec<Contact
         normal_stiffness: scale * K_N,
         tangential_stiffness: scale * K_T,
         friction_coefficient: mu,
-        share: Share::TributaryArea,
+        share: StiffnessShare::TributaryArea,
     };
     interface.parameters(&model.contacts)
 }

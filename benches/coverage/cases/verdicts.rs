@@ -6,7 +6,7 @@
 
 use super::case::{CONFIDENCE, Cases};
 use super::independent::exponential;
-use microslip::report::asked::{Criterion, Quantity};
+use microslip::report::asked::{Criterion, RequiredQuantity};
 use microslip::sampling::rectangles::seek_largest;
 use microslip::statistics::{
     Interval, Observed, Sorted, confidence_at, looks, quantile, quantile_estimate,
@@ -42,7 +42,7 @@ fn below_95_percent() -> Criterion {
         name: "uniform".to_owned(),
         standard: None,
         clause: None,
-        quantity: Quantity::AmplitudeUm,
+        quantity: RequiredQuantity::AmplitudeUm,
         limit: 0.95,
         level: None,
         share: None,

@@ -19,7 +19,7 @@ pub enum Component {
     /// A name that has no number, such as TEMP.
     Label(String),
     /// The file has no names: only the number of the row is known.
-    Row,
+    TextRow,
 }
 
 /// What a degree of freedom measures; its unit follows from it.
@@ -49,7 +49,7 @@ impl Dof {
     pub fn row(row: usize) -> Self {
         Self {
             node: row as i64 + 1,
-            component: Component::Row,
+            component: Component::TextRow,
         }
     }
 
@@ -71,7 +71,7 @@ impl Dof {
         match self.component {
             Component::Number(1..=3) if self.node > 0 => Kind::Displacement,
             Component::Number(4..=6) if self.node > 0 => Kind::Rotation,
-            Component::Row => Kind::Displacement,
+            Component::TextRow => Kind::Displacement,
             _ => Kind::Generalized,
         }
     }
@@ -83,7 +83,7 @@ impl fmt::Display for Dof {
         match &self.component {
             Component::Number(component) => write!(f, "{node}.{component}"),
             Component::Label(label) => write!(f, "{node}.{label}"),
-            Component::Row => write!(f, "{node}"),
+            Component::TextRow => write!(f, "{node}"),
         }
     }
 }

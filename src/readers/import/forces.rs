@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::dof::Dof;
 use super::lines::number;
-use super::table::Table;
+use super::table::TextTable;
 use super::units::Units;
 use crate::file::FileError;
 use crate::setting::BadSetting;
@@ -65,7 +65,7 @@ impl Forces {
         names: &Names<'_>,
         units: Units,
     ) -> Result<(), FileError> {
-        let table = Table::read(path, &["dof"], &["cosine", "sine", "static"])?;
+        let table = TextTable::read(path, &["dof"], &["cosine", "sine", "static"])?;
         for row in table.rows() {
             let name = row.text("dof").unwrap_or_default();
             let dof = names

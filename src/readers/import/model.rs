@@ -8,7 +8,7 @@ use super::matrix::{Content, ImportedMatrix, Rows};
 use super::read::{Reading, read};
 use super::role::Role;
 use super::symmetric::Symmetric;
-use super::units::{Quantity, Units};
+use super::units::{MatrixKind, Units};
 use crate::file::FileError;
 
 /// A file of the command line, and what of it is meant.
@@ -317,9 +317,9 @@ impl ImportedModel {
         let kinds: Vec<_> = self.dofs.iter().map(Dof::kind).collect();
         for (role, part) in &mut self.matrices {
             let of = match role {
-                Role::Mass => Quantity::Mass,
-                Role::Damping => Quantity::Damping,
-                _ => Quantity::Stiffness,
+                Role::Mass => MatrixKind::Mass,
+                Role::Damping => MatrixKind::Damping,
+                _ => MatrixKind::Stiffness,
             };
             for (row, column, value) in &mut part.values.lower {
                 *value *= units.entry(of, kinds[*row], kinds[*column]);

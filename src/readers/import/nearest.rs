@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::direction::{dot, unit};
-use super::table::{Table, read_nodes};
+use super::table::{TextTable, read_nodes};
 use crate::file::{self, FileError};
 
 /// Distance, relative to the tolerance, below which two nodes count as at one place: then it gives no normal.
@@ -97,7 +97,7 @@ fn listed(
     path: &Path,
     positions: &BTreeMap<i64, [f64; 3]>,
 ) -> Result<Vec<(i64, [f64; 3])>, FileError> {
-    let table = Table::read(path, &["node"], &["x", "y", "z"])?;
+    let table = TextTable::read(path, &["node"], &["x", "y", "z"])?;
     let mut nodes = BTreeMap::new();
     for row in table.rows() {
         let node = row.node("node")?;

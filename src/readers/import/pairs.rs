@@ -9,7 +9,7 @@ use std::path::Path;
 use super::direction::directions;
 use super::dof::Dof;
 use super::systems::{System, read_systems};
-use super::table::{Row, Table, read_nodes};
+use super::table::{TextRow, TextTable, read_nodes};
 use super::units::Units;
 use crate::file::FileError;
 use crate::model::matrix_contacts::ContactTable;
@@ -95,7 +95,7 @@ impl ImportedPair {
 }
 
 /// What rows of a table of pairs are read with.
-struct Reader<'r> {
+struct PairReader<'r> {
     dofs: BTreeSet<&'r Dof>,
     nodes: BTreeSet<i64>,
     positions: BTreeMap<i64, [f64; 3]>,
@@ -134,8 +134,8 @@ pub fn read_pairs(
         "gap",
         "distance",
     ];
-    let table = Table::read(path, &["node_a", "node_b"], &optional)?;
-    let reader = Reader {
+    let table = TextTable::read(path, &["node_a", "node_b"], &optional)?;
+    let reader = PairReader {
         dofs: dofs.iter().collect(),
         nodes: dofs.iter().map(|dof| dof.node).collect(),
         positions: nodes.map(read_nodes).transpose()?.unwrap_or_default(),
@@ -160,8 +160,8 @@ pub fn read_pairs(
     }
 }
 
-impl Reader<'_> {
-    fn pair(&self, row: &Row<'_>) -> Result<ImportedPair, FileError> {
+impl PairReader<'_> {
+    fn pair(&self, row: &TextRow<'_>) -> Result<ImportedPair, FileError> {
         let a = self.node(row, "node_a")?;
         let b = self.node(row, "node_b")?;
         if a == b {
@@ -210,7 +210,7 @@ impl Reader<'_> {
     }
 
     /// A node of the model; nothing for the ground.
-    fn node(&self, row: &Row<'_>, column: &str) -> Result<Option<i64>, FileError> {
+    fn node(&self, row: &TextRow<'_>, column: &str) -> Result<Option<i64>, FileError> {
         if row
             .text(column)
             .is_some_and(|text| text.eq_ignore_ascii_case(GROUND))
@@ -227,7 +227,7 @@ impl Reader<'_> {
     }
 
     /// The coordinate system that a row names in place of vectors.
-    fn system(&self, row: &Row<'_>) -> Result<Option<System>, FileError> {
+    fn system(&self, row: &TextRow<'_>) -> Result<Option<System>, FileError> {
         let Some(name) = row.text("system") else {
             return Ok(None);
         };
@@ -244,7 +244,7 @@ impl Reader<'_> {
     /// The direction from A to B.
     fn direction_between(
         &self,
-        row: &Row<'_>,
+        row: &TextRow<'_>,
         a: Option<i64>,
         b: Option<i64>,
     ) -> Result<[f64; 3], FileError> {
@@ -294,7 +294,7 @@ impl Reader<'_> {
     }
 
     /// Stiffness, friction and preload in SI units. With an area they are per area.
-    fn constants(&self, row: &Row<'_>, pair: &mut ImportedPair) -> Result<(), FileError> {
+    fn constants(&self, row: &TextRow<'_>, pair: &mut ImportedPair) -> Result<(), FileError> {
         let (force, length) = (self.units.force(), self.units.length());
         let area = row.not_negative("area")?;
         if area == Some(0.0) {

@@ -10,7 +10,7 @@ use super::format::{
 use super::lines::{Lines, MOST_ROWS, words};
 use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
 use crate::file::{self, FileError};
-use crate::model::matrix_market::{Collects, Entry, Shape, read_entries};
+use crate::model::matrix_market::{Collects, Entry, MatrixShape, read_entries};
 
 /// What a file holds.
 #[derive(Debug, Clone)]
@@ -205,7 +205,7 @@ fn is_harwell_boeing(text: &str) -> bool {
 /// A Matrix Market file: a symmetric matrix, or a vector where it has one column.
 fn matrix_market(path: &Path) -> Result<ImportedMatrix, FileError> {
     let (Market { shape, entries }, digits) = read_entries(path, MOST_ROWS)?;
-    let Shape { rows, columns, .. } = shape;
+    let MatrixShape { rows, columns, .. } = shape;
     let content = match columns {
         1 if rows > 1 => Content::Column(entries.column(path, rows)?),
         _ if rows != columns => {
@@ -231,12 +231,12 @@ fn matrix_market(path: &Path) -> Result<ImportedMatrix, FileError> {
 
 /// Entries of a Matrix Market file.
 struct Market {
-    shape: Shape,
+    shape: MatrixShape,
     entries: Entries,
 }
 
 impl Collects for Market {
-    fn empty(shape: Shape, _: bool) -> Self {
+    fn empty(shape: MatrixShape, _: bool) -> Self {
         Self {
             shape,
             entries: Entries::default(),

@@ -86,7 +86,7 @@ fn masters(
         .collect();
     for word in &reduction.keep {
         let of_node = |dof: &Dof| match word.parse::<i64>() {
-            Ok(node) => dof.component != Component::Row && dof.node == node,
+            Ok(node) => dof.component != Component::TextRow && dof.node == node,
             Err(_) => false,
         };
         let found: Vec<usize> = match names.row(word) {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::direction::directions;
-use super::table::Table;
+use super::table::TextTable;
 use crate::file::FileError;
 
 /// Directions that pairs may share.
@@ -21,7 +21,7 @@ pub(super) struct System {
 /// # Errors
 /// [`FileError`] with the line and the rule that it breaks.
 pub(super) fn read_systems(path: &Path) -> Result<BTreeMap<String, System>, FileError> {
-    let table = Table::read(path, &["name", "nx", "ny", "nz"], &["tx", "ty", "tz"])?;
+    let table = TextTable::read(path, &["name", "nx", "ny", "nz"], &["tx", "ty", "tz"])?;
     let mut systems = BTreeMap::new();
     for row in table.rows() {
         let name = row

@@ -9,7 +9,7 @@ use crate::file::{self, FileError, Rows};
 
 /// A table as a file states it.
 #[derive(Debug)]
-pub(super) struct Table {
+pub(super) struct TextTable {
     path: PathBuf,
     columns: BTreeMap<String, usize>,
     rows: Vec<(u64, Vec<String>)>,
@@ -17,14 +17,14 @@ pub(super) struct Table {
 
 /// One row of a table.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Row<'t> {
-    table: &'t Table,
+pub(super) struct TextRow<'t> {
+    table: &'t TextTable,
     /// 1-based line of the file.
     pub(super) line: u64,
     fields: &'t [String],
 }
 
-impl Table {
+impl TextTable {
     /// Reads a table whose columns are among `required` and `optional`. `#` begins a comment.
     pub(super) fn read(
         path: &Path,
@@ -67,8 +67,8 @@ impl Table {
         })
     }
 
-    pub(super) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.rows.iter().map(|(line, fields)| Row {
+    pub(super) fn rows(&self) -> impl Iterator<Item = TextRow<'_>> {
+        self.rows.iter().map(|(line, fields)| TextRow {
             table: self,
             line: *line,
             fields,
@@ -76,7 +76,7 @@ impl Table {
     }
 }
 
-impl<'t> Row<'t> {
+impl<'t> TextRow<'t> {
     /// The text of a column; nothing where it is absent or blank.
     pub(super) fn text(&self, column: &str) -> Option<&'t str> {
         let at = self.table.columns.get(column)?;
@@ -133,7 +133,7 @@ impl<'t> Row<'t> {
 
 /// Coordinates of nodes: columns node, x, y, z.
 pub(super) fn read_nodes(path: &Path) -> Result<BTreeMap<i64, [f64; 3]>, FileError> {
-    let table = Table::read(path, &["node", "x", "y", "z"], &[])?;
+    let table = TextTable::read(path, &["node", "x", "y", "z"], &[])?;
     let mut nodes = BTreeMap::new();
     for row in table.rows() {
         let node = row.node("node")?;

@@ -59,7 +59,7 @@ impl Units {
     /// Energy in SI = factor of energy · energy of the file, and a coordinate of the file = its factor · that of SI; so an
     /// entry is multiplied by all three. A mass takes the square of the unit of time, a damping the unit.
     #[must_use]
-    pub fn entry(self, of: Quantity, row: Kind, column: Kind) -> f64 {
+    pub fn entry(self, of: MatrixKind, row: Kind, column: Kind) -> f64 {
         let [length, mass, time] = self.powers();
         let energy = mass + 2 * length - 2 * time;
         let coordinate = |kind: Kind| match kind {
@@ -67,9 +67,9 @@ impl Units {
             Kind::Rotation | Kind::Generalized => 0,
         };
         let of_time = match of {
-            Quantity::Stiffness => 0,
-            Quantity::Damping => time,
-            Quantity::Mass => 2 * time,
+            MatrixKind::Stiffness => 0,
+            MatrixKind::Damping => time,
+            MatrixKind::Mass => 2 * time,
         };
         ten_to(energy + coordinate(row) + coordinate(column) + of_time)
     }
@@ -77,13 +77,13 @@ impl Units {
     /// Factor of a force on a coordinate that measures `kind`.
     #[must_use]
     pub fn load(self, kind: Kind) -> f64 {
-        self.entry(Quantity::Stiffness, kind, Kind::Generalized)
+        self.entry(MatrixKind::Stiffness, kind, Kind::Generalized)
     }
 }
 
 /// What a matrix multiplies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
+pub enum MatrixKind {
     /// Displacements.
     Stiffness,
     /// Velocities.
@@ -113,11 +113,11 @@ mod tests {
         for (units, expected) in sets {
             let entry = |of| units.entry(of, Displacement, Displacement);
             let found = [
-                entry(Quantity::Stiffness),
-                entry(Quantity::Mass),
-                units.entry(Quantity::Stiffness, Rotation, Rotation),
+                entry(MatrixKind::Stiffness),
+                entry(MatrixKind::Mass),
+                units.entry(MatrixKind::Stiffness, Rotation, Rotation),
                 units.force(),
-                entry(Quantity::Damping),
+                entry(MatrixKind::Damping),
             ];
             for (found, expected) in found.iter().zip(expected) {
                 assert!((found / expected - 1.0).abs() < 1e-12, "{units:?}: {found}");

@@ -174,5 +174,5 @@ fn band(frequencies_hz: &[f64]) -> String {
 #[must_use]
 pub fn has_nodes(dofs: &[Dof]) -> bool {
     dofs.iter()
-        .any(|dof| dof.component != super::dof::Component::Row)
+        .any(|dof| dof.component != super::dof::Component::TextRow)
 }

@@ -43,7 +43,7 @@ pub(super) struct Expected<'e> {
 
 /// The numbers of a table.
 #[derive(Debug, Default)]
-pub(super) struct Table {
+pub(super) struct NumberTable {
     /// Line of the names of the columns.
     pub(super) heading: u64,
     /// 1-based line of each row.
@@ -62,16 +62,16 @@ enum Mark {
 }
 
 /// Reads rows of numbers.
-struct Reader<'t> {
+struct RowReader<'t> {
     path: &'t Path,
     columns: Vec<Column>,
     separator: char,
     /// The mark that was seen first.
     mark: Option<Mark>,
-    table: Table,
+    table: NumberTable,
 }
 
-impl Table {
+impl NumberTable {
     /// Refuses the first number of a column outside of a range in SI units. The message is in the unit in which files are written.
     pub(super) fn require_within(
         &self,
@@ -104,7 +104,11 @@ fn shown(value: f64, power: i32) -> String {
 ///
 /// # Errors
 /// [`FileError`] with the line and the rule that it breaks.
-pub(super) fn read(path: &Path, text: &str, expected: Expected<'_>) -> Result<Table, FileError> {
+pub(super) fn read(
+    path: &Path,
+    text: &str,
+    expected: Expected<'_>,
+) -> Result<NumberTable, FileError> {
     let separator = separator(text);
     let mut rows = Rows::new(path, text, separator);
     let Some(heading) = rows.next().transpose()? else {
@@ -112,9 +116,9 @@ pub(super) fn read(path: &Path, text: &str, expected: Expected<'_>) -> Result<Ta
     };
     let fault = |rule: String| FileError::content(path, Some(heading.line), rule);
     let columns = columns(&heading, expected).map_err(fault)?;
-    let mut table = Table {
+    let mut table = NumberTable {
         heading: heading.line,
-        ..Table::default()
+        ..NumberTable::default()
     };
     for column in &columns {
         match *column {
@@ -123,7 +127,7 @@ pub(super) fn read(path: &Path, text: &str, expected: Expected<'_>) -> Result<Ta
             Column::PassedOver => {}
         }
     }
-    let mut reader = Reader {
+    let mut reader = RowReader {
         path,
         columns,
         separator,
@@ -213,7 +217,7 @@ impl Label {
     }
 }
 
-impl Reader<'_> {
+impl RowReader<'_> {
     fn take(&mut self, row: &Row<'_>) -> Result<(), FileError> {
         let path = self.path;
         let fault = |rule: String| FileError::content(path, Some(row.line), rule);

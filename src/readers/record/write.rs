@@ -39,7 +39,7 @@ pub fn write_hysteresis(
     notes: &[&str],
 ) -> Result<FileRecord, FileError> {
     let fault = |rule: &str| FileError::content(path, None, rule);
-    let layout = Layout::of(tests).map_err(fault)?;
+    let layout = FileLayout::of(tests).map_err(fault)?;
     replace(path, |file| {
         let mut file = std::io::BufWriter::new(file);
         write_notes(&mut file, notes)?;
@@ -77,13 +77,13 @@ struct Constant {
 }
 
 /// What stands where.
-struct Layout {
+struct FileLayout {
     approach: bool,
     comments: Vec<(String, String)>,
     columns: Vec<Constant>,
 }
 
-impl Layout {
+impl FileLayout {
     fn of(tests: &[HysteresisRecord]) -> Result<Self, &'static str> {
         let first = tests.first().ok_or("must get a test")?;
         let approach = first.approach.is_some();

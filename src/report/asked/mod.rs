@@ -10,6 +10,6 @@ pub mod surrogate;
 
 pub use bands::Bands;
 pub use control_variate::ControlVariateSettings;
-pub use requirement::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
+pub use requirement::{Criterion, MarginBase, Operation, RequiredQuantity, Requirements, Stress};
 pub use stopping::{Stopping, StoppingTable};
 pub use surrogate::SurrogateSettings;

@@ -93,7 +93,7 @@ pub struct Stress {
 /// What a criterion judges, with its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Quantity {
+pub enum RequiredQuantity {
     /// Smallest distance of the resonance to any engine order over `speed_rpm`, at least `limit` (%); needs `[operation]`.
     FrequencyMarginPercent,
     /// Amplitude of the first response coordinate, at most `limit` (µm).
@@ -122,7 +122,7 @@ pub struct Criterion {
     #[schemars(regex(pattern = LINE))]
     pub clause: Option<String>,
     /// What is judged, with its unit.
-    pub quantity: Quantity,
+    pub quantity: RequiredQuantity,
     /// The limit.
     #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0))]
     pub limit: f64,
@@ -137,7 +137,7 @@ pub struct Criterion {
     pub confidence: Option<f64>,
 }
 
-impl Quantity {
+impl RequiredQuantity {
     /// Whether more is better.
     #[must_use]
     pub fn at_least(self) -> bool {
@@ -176,7 +176,7 @@ impl Criterion {
         let risk = (1.0 - confidence) / populations.max(1) as f64;
         Demonstration {
             content: match self.quantity {
-                Quantity::ProbabilityOfExceedance => 1.0 - self.limit,
+                RequiredQuantity::ProbabilityOfExceedance => 1.0 - self.limit,
                 _ => self.share(),
             },
             confidence,
@@ -198,7 +198,7 @@ impl Criterion {
         let holds = confidence > 0.5 && confidence < 1.0;
         let rule = "must lie between 0.5 and 1";
         BadSetting::unless(holds, "confidence", confidence, rule)?;
-        if self.quantity == Quantity::ProbabilityOfExceedance {
+        if self.quantity == RequiredQuantity::ProbabilityOfExceedance {
             let rule = "must be below 1: it is a probability";
             BadSetting::unless(self.limit < 1.0, "limit", self.limit, rule)?;
             let value = self.share.unwrap_or_default();
@@ -348,11 +348,11 @@ impl Requirements {
 
     fn supports(&self, criterion: &Criterion) -> Result<(), BadSetting> {
         let (given, table) = match criterion.quantity {
-            Quantity::FrequencyMarginPercent => (self.operation.is_some(), "[operation]"),
-            Quantity::ReserveFactor | Quantity::ProbabilityOfExceedance => {
+            RequiredQuantity::FrequencyMarginPercent => (self.operation.is_some(), "[operation]"),
+            RequiredQuantity::ReserveFactor | RequiredQuantity::ProbabilityOfExceedance => {
                 (self.stress.is_some(), "[stress]")
             }
-            Quantity::AmplitudeUm => (true, ""),
+            RequiredQuantity::AmplitudeUm => (true, ""),
         };
         let value = serde_json::to_string(&criterion.quantity).unwrap_or_default();
         let rule = format!("needs the table {table}");

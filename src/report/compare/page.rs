@@ -20,7 +20,7 @@ use crate::report::run::stored_run::StoredRun;
 use crate::statistics::{Sorted, difference};
 
 /// A comparison as the page shows it.
-struct View<'a> {
+struct ComparisonView<'a> {
     comparison: &'a DesignComparison,
     runs: &'a [StoredRun],
     /// Unit of differences of amplitudes.
@@ -39,7 +39,7 @@ pub(super) fn render(
         .filter(|v| v.is_finite())
         .map(f64::abs)
         .fold(0.0, f64::max);
-    let view = View {
+    let view = ComparisonView {
         comparison,
         runs,
         unit: LengthUnit::for_largest(largest),
@@ -69,7 +69,7 @@ fn differences(quantity: Compared, runs: &[StoredRun], a: usize, b: usize, i: us
     pairs.map(|(a, b)| difference(&a, &b)).collect()
 }
 
-impl View<'_> {
+impl ComparisonView<'_> {
     fn level_cell(&self, i: usize) -> Cell {
         let level = self.comparison.levels[i].level;
         Cell::number(level_name(level, &self.comparison.level_unit), Some(level)).with_chip(i)
@@ -97,7 +97,7 @@ impl View<'_> {
     }
 }
 
-fn designs(view: &View) -> Section {
+fn designs(view: &ComparisonView) -> Section {
     let comparison = view.comparison;
     let mut table = Table::of(
         "Designs",
@@ -153,7 +153,7 @@ fn designs(view: &View) -> Section {
 }
 
 /// What must be known before a number of the page is used.
-fn notices(view: &View) -> Vec<String> {
+fn notices(view: &ComparisonView) -> Vec<String> {
     let comparison = view.comparison;
     let mut notices = Vec::new();
     if !comparison.design_inputs.is_empty() {
@@ -208,7 +208,7 @@ fn notices(view: &View) -> Vec<String> {
     notices
 }
 
-fn rankings(view: &View) -> Section {
+fn rankings(view: &ComparisonView) -> Section {
     let mut table = Table::of(
         "Ranking",
         "ranking",
@@ -248,7 +248,7 @@ fn outer_cell(outer: Option<u64>) -> Cell {
 }
 
 fn ranking_row(
-    view: &View,
+    view: &ComparisonView,
     i: usize,
     compared: &ComparedQuantity,
     found: &PointRanking,
@@ -279,7 +279,7 @@ fn ranking_row(
     ]
 }
 
-fn pairs(view: &View) -> Section {
+fn pairs(view: &ComparisonView) -> Section {
     let hint = "Median of the paired differences with its distribution-free 95 % confidence interval; shares of the samples \
                 in which one design is better with their Clopper and Pearson interval. Values that differ by no more than their stated \
                 numerical errors together, or by a millionth of the value (a margin: of the frequency), are ties and count for neither; a pair of \
@@ -295,7 +295,7 @@ fn pairs(view: &View) -> Section {
 }
 
 /// Absent where a design lacks the number.
-fn pair_table(view: &View, quantity: Compared) -> Option<Block> {
+fn pair_table(view: &ComparisonView, quantity: Compared) -> Option<Block> {
     let (_, unit) = view.shown(quantity);
     let unit = if unit.is_empty() {
         String::new()
@@ -335,7 +335,7 @@ fn pair_table(view: &View, quantity: Compared) -> Option<Block> {
     Some(table.block())
 }
 
-fn pair_row(view: &View, i: usize, quantity: Compared, pair: &Pair) -> Vec<Cell> {
+fn pair_row(view: &ComparisonView, i: usize, quantity: Compared, pair: &Pair) -> Vec<Cell> {
     let (scale, _) = view.shown(quantity);
     let show = |v: f64| with_digits(v * scale, 3);
     let median = match pair.comparison.median_difference {
@@ -365,13 +365,13 @@ fn pair_row(view: &View, i: usize, quantity: Compared, pair: &Pair) -> Vec<Cell>
 }
 
 /// On how many curves of a design at level `i` there are several answers.
-fn several_answers(view: &View, design: usize, i: usize) -> String {
+fn several_answers(view: &ComparisonView, design: usize, i: usize) -> String {
     let found = SeveralAnswers::of(&view.runs[design].outcomes, i, CONFIDENCE);
     format!("{}: {}", view.label(design), found.in_words())
 }
 
 /// Distribution functions of the differences of every design from the first.
-fn distributions(view: &View) -> Section {
+fn distributions(view: &ComparisonView) -> Section {
     let keys = [
         Key::new(Mark::Line, "rule zero", "no difference"),
         Key::new(
@@ -395,7 +395,7 @@ fn distributions(view: &View) -> Section {
     }
 }
 
-fn difference_figure(view: &View, quantity: Compared, b: usize, i: usize) -> Figure {
+fn difference_figure(view: &ComparisonView, quantity: Compared, b: usize, i: usize) -> Figure {
     let (scale, unit) = view.shown(quantity);
     let values: Vec<f64> = differences(quantity, view.runs, 0, b, i)
         .into_iter()

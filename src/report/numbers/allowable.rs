@@ -1,6 +1,6 @@
 //! The stress and the amplitude that a study allows.
 
-use crate::report::asked::requirement::{Quantity, Stress};
+use crate::report::asked::requirement::{RequiredQuantity, Stress};
 use crate::report::run::record::RunRecord;
 use crate::statistics::{goodman_allowable, reserve_factor};
 use crate::units::{m_to_um, um_to_m};
@@ -31,7 +31,7 @@ pub(in crate::report) fn amplitude_limits_m(record: &RunRecord, i: usize) -> Vec
     let requirements = &record.requirements;
     let criteria = requirements.criteria.iter().filter(|criterion| {
         let here = criterion.level.is_none_or(|l| l == record.levels[i]);
-        criterion.quantity == Quantity::AmplitudeUm && here
+        criterion.quantity == RequiredQuantity::AmplitudeUm && here
     });
     let stated = criteria.map(|criterion| criterion.limit * 1e-6);
     let stress = requirements.stress.as_ref().map(allowable_amplitude_m);

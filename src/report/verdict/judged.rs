@@ -6,7 +6,7 @@
 use super::criterion_result::{LevelResult, NumericalWidth, Power, Unknown};
 use super::numerical_error::{NumericalErrors, Solved};
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
-use crate::report::asked::requirement::{Criterion, Operation, Quantity, Stress};
+use crate::report::asked::requirement::{Criterion, Operation, RequiredQuantity, Stress};
 use crate::report::numbers::allowable::{allowable_amplitude_m, factor};
 use crate::report::numbers::margins::smallest_margin;
 use crate::report::numbers::peaks::{trusted_peak, usable_peak};
@@ -111,8 +111,10 @@ impl Judged<'_> {
             &requirements.operation,
             &requirements.stress,
         ) {
-            (Quantity::FrequencyMarginPercent, Some(operation), _) => margin(frequency, operation),
-            (Quantity::ReserveFactor, _, Some(stress)) => reserve(amplitude, stress),
+            (RequiredQuantity::FrequencyMarginPercent, Some(operation), _) => {
+                margin(frequency, operation)
+            }
+            (RequiredQuantity::ReserveFactor, _, Some(stress)) => reserve(amplitude, stress),
             _ => Enclosed {
                 lower: m_to_um(amplitude.lower),
                 value: m_to_um(amplitude.value),
@@ -123,7 +125,7 @@ impl Judged<'_> {
 
     fn solved(&self) -> Solved {
         match self.criterion.quantity {
-            Quantity::FrequencyMarginPercent => Solved::Frequency,
+            RequiredQuantity::FrequencyMarginPercent => Solved::Frequency,
             _ => Solved::Amplitude,
         }
     }
@@ -139,7 +141,7 @@ impl Judged<'_> {
     fn limit_of_samples(&self) -> f64 {
         let stress = self.input.record.requirements.stress.as_ref();
         match (self.criterion.quantity, stress) {
-            (Quantity::ProbabilityOfExceedance, Some(stress)) => {
+            (RequiredQuantity::ProbabilityOfExceedance, Some(stress)) => {
                 m_to_um(allowable_amplitude_m(stress))
             }
             _ => self.criterion.limit,
@@ -176,7 +178,7 @@ impl Judged<'_> {
     /// The number where no input is random: each sample has the result of all, within its numerical error. Where they differ all the
     /// same (the search met several maxima) it is the worst that was met; what an unknown one would have been stays open.
     fn estimate_of_worst(&self, observed: &Observed) -> (Option<f64>, Interval) {
-        if self.criterion.quantity == Quantity::ProbabilityOfExceedance {
+        if self.criterion.quantity == RequiredQuantity::ProbabilityOfExceedance {
             let counted = self.counted(observed);
             let some = |count: usize| f64::from(u8::from(count > 0));
             let share = exceedance_of_values(observed, self.limit_of_samples());
@@ -202,7 +204,7 @@ impl Judged<'_> {
     fn estimate_at(&self, observed: &Observed, confidence: f64) -> (Option<f64>, Interval) {
         let two_sided = 2.0 * confidence - 1.0;
         let none = (None, Interval::UNBOUNDED);
-        if self.criterion.quantity == Quantity::ProbabilityOfExceedance {
+        if self.criterion.quantity == RequiredQuantity::ProbabilityOfExceedance {
             let found = exceedance(observed, self.limit_of_samples(), two_sided);
             return found.map_or(none, |found| {
                 let share = found.probability;
@@ -255,7 +257,7 @@ impl Judged<'_> {
     /// margin 0, each perhaps of another order.
     fn engine_order(&self, results: &[Enclosed], estimate: f64) -> Option<u32> {
         let operation = self.input.record.requirements.operation.as_ref()?;
-        if self.criterion.quantity != Quantity::FrequencyMarginPercent {
+        if self.criterion.quantity != RequiredQuantity::FrequencyMarginPercent {
             return None;
         }
         let at_estimate = results.iter().zip(self.input.outcomes);

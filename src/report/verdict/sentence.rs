@@ -5,7 +5,7 @@ use super::over_box::OverBox;
 use crate::page::display::{
     beside, capitalised, count, level_name, percent, percent_beside, stated, stated_percent,
 };
-use crate::report::asked::requirement::{Criterion, Quantity};
+use crate::report::asked::requirement::{Criterion, RequiredQuantity};
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::RunRecord;
 use crate::sampling::Growth;
@@ -16,10 +16,10 @@ use crate::statistics::{Interval, Judgement, Remedy};
 pub(in crate::report) fn shown(criterion: &Criterion) -> impl Fn(f64) -> String + use<> {
     let (quantity, limit) = (criterion.quantity, criterion.limit);
     move |v| match quantity {
-        Quantity::FrequencyMarginPercent => format!("{} %", beside(v, limit, 3)),
-        Quantity::AmplitudeUm => format!("{} µm", beside(v, limit, 4)),
-        Quantity::ReserveFactor => beside(v, limit, 3),
-        Quantity::ProbabilityOfExceedance => percent_beside(v, limit),
+        RequiredQuantity::FrequencyMarginPercent => format!("{} %", beside(v, limit, 3)),
+        RequiredQuantity::AmplitudeUm => format!("{} µm", beside(v, limit, 4)),
+        RequiredQuantity::ReserveFactor => beside(v, limit, 3),
+        RequiredQuantity::ProbabilityOfExceedance => percent_beside(v, limit),
     }
 }
 
@@ -27,10 +27,10 @@ pub(in crate::report) fn shown(criterion: &Criterion) -> impl Fn(f64) -> String 
 pub(in crate::report) fn stated_limit(criterion: &Criterion) -> String {
     let limit = criterion.limit;
     match criterion.quantity {
-        Quantity::FrequencyMarginPercent => format!("{} %", stated(limit)),
-        Quantity::AmplitudeUm => format!("{} µm", stated(limit)),
-        Quantity::ReserveFactor => stated(limit),
-        Quantity::ProbabilityOfExceedance => stated_percent(limit),
+        RequiredQuantity::FrequencyMarginPercent => format!("{} %", stated(limit)),
+        RequiredQuantity::AmplitudeUm => format!("{} µm", stated(limit)),
+        RequiredQuantity::ReserveFactor => stated(limit),
+        RequiredQuantity::ProbabilityOfExceedance => stated_percent(limit),
     }
 }
 
@@ -93,29 +93,31 @@ fn over_box_in_words(record: &RunRecord, over: &OverBox) -> String {
 fn found(record: &RunRecord, criterion: &Criterion, level: &LevelResult, number: &str) -> String {
     if !record.has_random_inputs() {
         let what = match criterion.quantity {
-            Quantity::FrequencyMarginPercent => {
+            RequiredQuantity::FrequencyMarginPercent => {
                 let what = nearest_order(record, level);
                 return format!(
                     "No input is random: the resonance stays {number} away from {what}"
                 );
             }
-            Quantity::AmplitudeUm => "amplitude",
-            Quantity::ReserveFactor => "reserve factor",
-            Quantity::ProbabilityOfExceedance => "probability of a reserve factor below 1",
+            RequiredQuantity::AmplitudeUm => "amplitude",
+            RequiredQuantity::ReserveFactor => "reserve factor",
+            RequiredQuantity::ProbabilityOfExceedance => "probability of a reserve factor below 1",
         };
         return format!("No input is random: the {what} is {number}");
     }
     let share = stated_percent(criterion.share());
     match criterion.quantity {
-        Quantity::FrequencyMarginPercent => {
+        RequiredQuantity::FrequencyMarginPercent => {
             let what = nearest_order(record, level);
             format!("{share} of the assumed prior stays {number} away from {what}")
         }
-        Quantity::AmplitudeUm => format!("{share} of the assumed prior stays below {number}"),
-        Quantity::ReserveFactor => {
+        RequiredQuantity::AmplitudeUm => {
+            format!("{share} of the assumed prior stays below {number}")
+        }
+        RequiredQuantity::ReserveFactor => {
             format!("{share} of the assumed prior has a reserve factor of {number} or more")
         }
-        Quantity::ProbabilityOfExceedance => {
+        RequiredQuantity::ProbabilityOfExceedance => {
             format!("{number} of the assumed prior has a reserve factor below 1")
         }
     }

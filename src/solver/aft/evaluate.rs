@@ -1,12 +1,12 @@
 //! Evaluation of a batch on the processor.
 
 use super::batch::{AftBatch, Want};
-use super::forces::{AftForces, Block, Periodicity, StateCounts, StateSummary, Tangent};
+use super::forces::{AftForces, Periodicity, StateCounts, StateSummary, Tangent, TangentBlock};
 use super::plan::AftPlan;
 use super::settings::Laps;
 use super::vector::size;
 use crate::aft::box_law::located::LocatedBox;
-use crate::aft::box_law::play::Place;
+use crate::aft::box_law::play::LaneState;
 use crate::aft::box_law::tangent::{SegmentScratch, box_tangent};
 use crate::aft::circle_law::located::LocatedCircle;
 use crate::aft::circle_law::march::{Cycle, march_circle};
@@ -165,7 +165,7 @@ fn locate<S: Simd, T: Real, const CIRCLE: bool>(
     if CIRCLE {
         located_circle.mark(simd, plan, work);
         for lane in lanes.clone() {
-            let place = Place::new(plan, batch, work, first, lane);
+            let place = LaneState::new(plan, batch, work, first, lane);
             located_circle.evaluate(simd, place, want, out);
             located_circle.put_tractions(work, lane);
         }
@@ -176,7 +176,7 @@ fn locate<S: Simd, T: Real, const CIRCLE: bool>(
     } else {
         located.mark(simd, plan, work);
         for lane in lanes {
-            located.evaluate(Place::new(plan, batch, work, first, lane), want, out);
+            located.evaluate(LaneState::new(plan, batch, work, first, lane), want, out);
         }
     }
 }
@@ -317,7 +317,7 @@ fn store_tangent<T: Real>(
     let offset = out.blocks.len();
     out.tangents.push(Tangent::Blocks(offset));
     out.blocks
-        .resize(offset + Block::COUNT * plan.m * plan.m, T::ZERO);
+        .resize(offset + TangentBlock::COUNT * plan.m * plan.m, T::ZERO);
     let blocks = &mut out.blocks[offset..];
     let view = View {
         plan,

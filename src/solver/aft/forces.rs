@@ -79,7 +79,7 @@ pub enum Tangent {
 
 /// Blocks of a tangent, in the order of storage; T1N = dT₁/dn. The normal force depends on the approach alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Block {
+pub enum TangentBlock {
     /// dT₁/dt₁.
     T1T1,
     /// dT₁/dt₂; zero for the box law.
@@ -96,7 +96,7 @@ pub enum Block {
     NN,
 }
 
-impl Block {
+impl TangentBlock {
     /// Number of blocks of a tangent.
     pub const COUNT: usize = 7;
 
@@ -166,7 +166,7 @@ impl<T: Real> AftForces<T> {
     ///
     /// Shape: `[force coefficient m][displacement coefficient m]`. Unit: N/m.
     #[must_use]
-    pub fn block(&self, offset: usize, block: Block) -> &[T] {
+    pub fn block(&self, offset: usize, block: TangentBlock) -> &[T] {
         let size = self.n_coefficients * self.n_coefficients;
         &self.blocks[offset + block as usize * size..][..size]
     }

@@ -50,6 +50,6 @@ mod vector;
 
 pub use batch::{AftBatch, Want};
 pub use evaluate::{AftReal, AftScratch, evaluate};
-pub use forces::{AftForces, Block, Periodicity, StateCounts, StateSummary, Tangent};
+pub use forces::{AftForces, Periodicity, StateCounts, StateSummary, Tangent, TangentBlock};
 pub use plan::AftPlan;
 pub use settings::{AftSettings, Laps};

@@ -1,6 +1,6 @@
 //! What the processor does beside the device in the self-test, and which share of the peaks it searches again.
 
-use crate::aft::{AftBatch, AftForces, AftPlan, AftScratch, Block, Tangent, Want, evaluate};
+use crate::aft::{AftBatch, AftForces, AftPlan, AftScratch, Tangent, TangentBlock, Want, evaluate};
 
 /// Forces and tangents of the states that the device did not decide.
 pub(super) fn decide(
@@ -28,7 +28,7 @@ pub(super) fn decide(
     for (row, values) in out.forces.chunks_exact_mut(n).zip(rows) {
         states.iter().zip(values).for_each(|(&i, &f)| row[i] = f);
     }
-    let size = Block::COUNT * plan.n_coefficients() * plan.n_coefficients();
+    let size = TangentBlock::COUNT * plan.n_coefficients() * plan.n_coefficients();
     for (k, &i) in states.iter().enumerate() {
         out.summaries[i] = decided.summaries[k];
         out.tangents[i] = match decided.tangents[k] {
@@ -87,7 +87,8 @@ fn tangent_difference(
     k: [f64; 3],
 ) -> f64 {
     let m = exact.n_coefficients;
-    let entry = |of: &AftForces<f64>, block: Block, a: usize, b: usize| match of.tangents[i] {
+    let entry = |of: &AftForces<f64>, block: TangentBlock, a: usize, b: usize| match of.tangents[i]
+    {
         Tangent::Blocks(offset) => of.block(offset, block)[a * m + b],
         Tangent::Stuck if a == b && block.row_component() == block.column_component() => {
             k[block.row_component()]
@@ -95,7 +96,7 @@ fn tangent_difference(
         Tangent::Stuck => 0.0,
     };
     let mut most = 0.0f64;
-    for block in Block::ALL {
+    for block in TangentBlock::ALL {
         for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
             most = most.max((entry(found, block, a, b) - entry(exact, block, a, b)).abs());
         }

@@ -5,7 +5,7 @@ use super::error::GpuError;
 use super::readback::{Moving, RETURNED, read, u32s};
 use super::scaled::{ScaledForces, ScaledStates};
 use super::settings::Precision;
-use super::shader::{Access, Pass, Reflection, Shape};
+use super::shader::{Access, Pass, Reflection, ShaderKey};
 use super::timer::{PassSeconds, Timer};
 use crate::aft::Want;
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ const TIMER_BYTES: u64 = Timer::bytes(MOST_PASSES);
 /// Compiled passes for one shape.
 #[derive(Debug)]
 pub struct Kernels {
-    shape: Shape,
+    shape: ShaderKey,
     reflection: Reflection,
     layout: wgpu::BindGroupLayout,
     pipelines: Vec<wgpu::ComputePipeline>,
@@ -63,7 +63,7 @@ impl Kernels {
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(device: &Device, shape: Shape) -> Result<Self, GpuError> {
+    pub fn new(device: &Device, shape: ShaderKey) -> Result<Self, GpuError> {
         let text = shape.text(device.adapter.is_hardware());
         let reflection = Reflection::of(&text)?;
         let entries: Vec<_> = (reflection.bindings.values())
@@ -119,7 +119,7 @@ impl Kernels {
 
     /// The shape that it was compiled for.
     #[must_use]
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &ShaderKey {
         &self.shape
     }
 

@@ -60,7 +60,7 @@ pub use {
     kernels::{BatchResult, Buffers, Kernels},
     scaled::{ScaledForces, ScaledStates},
     self_test::{examined, self_test},
-    shader::{Access, Binding, Reflection, Shape},
+    shader::{Access, Binding, Reflection, ShaderKey},
     timer::PassSeconds,
 };
 #[cfg(feature = "gpu")]

@@ -3,7 +3,7 @@
 use super::adapter::Device;
 use super::error::GpuError;
 use super::scaled::ScaledForces;
-use crate::aft::Block;
+use crate::aft::TangentBlock;
 use std::time::Duration;
 
 /// Flags of a state, as the shaders set them.
@@ -26,7 +26,7 @@ pub(super) struct Moving {
     pub tangents: Vec<f64>,
     pub group: usize,
     pub m: usize,
-    pub blocks: &'static [Block],
+    pub blocks: &'static [TangentBlock],
     pub with_tangents: bool,
 }
 

@@ -7,7 +7,7 @@
 
 use crate::aft::AftBatch;
 use crate::aft::AftPlan;
-use crate::aft::{AftForces, Block, Periodicity, StateCounts, StateSummary, Tangent};
+use crate::aft::{AftForces, Periodicity, StateCounts, StateSummary, Tangent, TangentBlock};
 
 /// States in the units of the shaders.
 #[derive(Debug, Clone)]
@@ -37,7 +37,7 @@ pub struct ScaledForces {
     /// Number of states with a place.
     pub n_moving: usize,
     /// Which blocks the tangents have; the others are zero.
-    pub blocks: &'static [Block],
+    pub blocks: &'static [TangentBlock],
 }
 
 impl ScaledStates {
@@ -139,7 +139,7 @@ impl ScaledStates {
             };
             let offset = out.blocks.len();
             out.tangents.push(Tangent::Blocks(offset));
-            out.blocks.resize(offset + Block::COUNT * size, 0.0);
+            out.blocks.resize(offset + TangentBlock::COUNT * size, 0.0);
             let blocks = &mut out.blocks[offset..];
             let values = scaled.tangents[slot * scaled.blocks.len() * size..].chunks_exact(size);
             for (&block, values) in scaled.blocks.iter().zip(values) {

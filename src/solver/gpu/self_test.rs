@@ -7,7 +7,7 @@ use super::kernels::Kernels;
 use super::scaled::ScaledStates;
 use super::settings::Precision;
 use super::settings::{Fault, GpuSettings};
-use super::shader::Shape;
+use super::shader::ShaderKey;
 use crate::aft::AftForces;
 use crate::aft::AftPlan;
 use crate::aft::{AftBatch, Want};
@@ -44,7 +44,7 @@ pub fn self_test(device: &Device, settings: &GpuSettings) -> Result<[f64; 2], Gp
     let plan = AftPlan::new(&set, aft);
     let batch = known_states(&set);
     let failed = |message: String| GpuError::SelfTest { message };
-    let shape = Shape::of(&plan, Precision::F32).ok_or_else(|| {
+    let shape = ShaderKey::of(&plan, Precision::F32).ok_or_else(|| {
         failed(format!(
             "there is no shader of the {:?} law with {:?} events",
             settings.law, settings.events

@@ -6,8 +6,8 @@
 use super::error::GpuError;
 use super::settings::Precision;
 use crate::aft::AftPlan;
-use crate::aft::Block;
 use crate::aft::Laps;
+use crate::aft::TangentBlock;
 use crate::contact::{Events, FrictionLaw, Real};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ use wgpu::naga;
 
 /// Which march a shader does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum March {
+pub(super) enum MarchKind {
     /// Box law with located events.
     Box,
     /// Circle law decided at the samples; whether the instant of closing is interpolated.
@@ -34,14 +34,14 @@ pub(super) struct Pass {
     /// Entry point.
     pub name: &'static str,
     /// Threads per state, of a shape.
-    pub rows: fn(&Shape) -> u32,
+    pub rows: fn(&ShaderKey) -> u32,
     /// Whether it is for derivatives alone.
     pub only_tangents: bool,
 }
 
 /// What decides a shader text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Shape {
+pub struct ShaderKey {
     /// Harmonic orders above 0.
     pub(super) orders: Vec<u32>,
     /// Samples per period.
@@ -49,7 +49,7 @@ pub struct Shape {
     /// Passes over the period; 0 = until the slider is periodic.
     pub(super) laps: u32,
     /// Law, and how it is decided.
-    pub(super) march: March,
+    pub(super) march: MarchKind,
     /// Numbers.
     pub(super) precision: Precision,
 }
@@ -64,7 +64,7 @@ const HIGHEST_ON_SOFTWARE: u32 = 21;
 /// Laps after which the shader of the circle law gives up.
 const MOST_CIRCLE_LAPS: usize = 40;
 
-const fn always(name: &'static str, rows: fn(&Shape) -> u32) -> Pass {
+const fn always(name: &'static str, rows: fn(&ShaderKey) -> u32) -> Pass {
     Pass {
         name,
         rows,
@@ -72,7 +72,7 @@ const fn always(name: &'static str, rows: fn(&Shape) -> u32) -> Pass {
     }
 }
 
-const fn for_tangents(name: &'static str, rows: fn(&Shape) -> u32) -> Pass {
+const fn for_tangents(name: &'static str, rows: fn(&ShaderKey) -> u32) -> Pass {
     Pass {
         name,
         rows,
@@ -85,7 +85,7 @@ const BOX_PASSES: [Pass; 5] = [
     always("box_march", |_| 2),
     always("spectra_of_runs", |_| 2),
     always("forces", |shape| 3 * shape.rows()),
-    for_tangents("tangents_of_moving", Shape::rows),
+    for_tangents("tangents_of_moving", ShaderKey::rows),
 ];
 const SAMPLED_CIRCLE_PASSES: [Pass; 4] = [
     always("transform", |shape| shape.n_time),
@@ -106,18 +106,18 @@ const LOCATED_CIRCLE_PASSES: [Pass; 7] = [
 /// Evaluations of polynomials in the root searches of one event. Seen cut: 13 harmonics at 256 samples, all in motion.
 const ROOT_LOOPS: usize = 60;
 
-impl Shape {
+impl ShaderKey {
     /// The shape that evaluates `plan`; `None` where there is no shader for it.
     #[must_use]
     pub fn of<T: Real>(plan: &AftPlan<T>, precision: Precision) -> Option<Self> {
         let settings = plan.settings();
         let march = match (settings.law, settings.events) {
-            (FrictionLaw::Box, Events::Located) => March::Box,
-            (FrictionLaw::Circle, Events::Located) => March::LocatedCircle,
+            (FrictionLaw::Box, Events::Located) => MarchKind::Box,
+            (FrictionLaw::Circle, Events::Located) => MarchKind::LocatedCircle,
             (FrictionLaw::Circle, Events::Interpolated) => {
-                March::SampledCircle { interpolated: true }
+                MarchKind::SampledCircle { interpolated: true }
             }
-            (FrictionLaw::Circle, Events::Sampled) => March::SampledCircle {
+            (FrictionLaw::Circle, Events::Sampled) => MarchKind::SampledCircle {
                 interpolated: false,
             },
             (FrictionLaw::Box, Events::Interpolated | Events::Sampled) => return None,
@@ -128,7 +128,7 @@ impl Shape {
             n_time: whole(settings.n_time)?,
             laps: match (settings.laps, march) {
                 (Laps::Fixed(n), _) => whole(n)?,
-                (Laps::Periodic, March::Box) => 2,
+                (Laps::Periodic, MarchKind::Box) => 2,
                 (Laps::Periodic, _) => 0,
             },
             march,
@@ -167,10 +167,10 @@ impl Shape {
     fn capacities(&self) -> Vec<(&'static str, usize)> {
         let highest = self.highest() as usize;
         match self.march {
-            March::Box => self.box_capacities().into(),
-            March::SampledCircle { .. } => Vec::new(),
+            MarchKind::Box => self.box_capacities().into(),
+            MarchKind::SampledCircle { .. } => Vec::new(),
             // a gap function of this order has no more roots, but for one counted twice at a sample
-            March::LocatedCircle => vec![
+            MarchKind::LocatedCircle => vec![
                 ("MAX_ROOTS", 4 + 2 * highest),
                 ("MAX_EVENTS", 24 + 4 * highest),
             ],
@@ -194,33 +194,39 @@ impl Shape {
     pub fn suits_software(&self) -> bool {
         let (n_time, m) = (self.n_time as usize, self.n_coefficients());
         let iterations = match self.march {
-            March::Box => {
+            MarchKind::Box => {
                 let [(_, points), (_, runs), _] = self.box_capacities();
                 let event = self.terms() * (2 * self.orders.len() + ROOT_LOOPS);
                 3 * n_time + (points + runs) * event + self.laps as usize * points
             }
-            March::SampledCircle { .. } => {
+            MarchKind::SampledCircle { .. } => {
                 n_time * (MOST_CIRCLE_LAPS.max(self.laps as usize) + m + 2)
             }
-            March::LocatedCircle => n_time * (MOST_CIRCLE_LAPS + m + 2),
+            MarchKind::LocatedCircle => n_time * (MOST_CIRCLE_LAPS + m + 2),
         };
         self.highest() <= HIGHEST_ON_SOFTWARE && iterations <= MOST_ITERATIONS
     }
 
     /// Blocks of a derivative in the order of the shaders.
-    pub(crate) fn blocks(&self) -> &'static [Block] {
+    pub(crate) fn blocks(&self) -> &'static [TangentBlock] {
         match self.march {
-            March::Box => &[Block::T1T1, Block::T2T2, Block::T1N, Block::T2N, Block::NN],
-            March::SampledCircle { .. } | March::LocatedCircle => &Block::ALL,
+            MarchKind::Box => &[
+                TangentBlock::T1T1,
+                TangentBlock::T2T2,
+                TangentBlock::T1N,
+                TangentBlock::T2N,
+                TangentBlock::NN,
+            ],
+            MarchKind::SampledCircle { .. } | MarchKind::LocatedCircle => &TangentBlock::ALL,
         }
     }
 
     /// Passes in their order.
     pub(super) fn passes(&self) -> &'static [Pass] {
         match self.march {
-            March::Box => &BOX_PASSES,
-            March::SampledCircle { .. } => &SAMPLED_CIRCLE_PASSES,
-            March::LocatedCircle => &LOCATED_CIRCLE_PASSES,
+            MarchKind::Box => &BOX_PASSES,
+            MarchKind::SampledCircle { .. } => &SAMPLED_CIRCLE_PASSES,
+            MarchKind::LocatedCircle => &LOCATED_CIRCLE_PASSES,
         }
     }
 
@@ -267,7 +273,7 @@ impl Shape {
         ] {
             let _ = writeln!(text, "const {name}: real = {value:e};");
         }
-        let interpolated = self.march == March::SampledCircle { interpolated: true };
+        let interpolated = self.march == MarchKind::SampledCircle { interpolated: true };
         let _ = writeln!(text, "const INTERPOLATED: bool = {interpolated};");
         text
     }
@@ -275,7 +281,7 @@ impl Shape {
     /// The texts of the law.
     fn parts(&self) -> &'static [&'static str] {
         match self.march {
-            March::Box => &[
+            MarchKind::Box => &[
                 include_str!("../../../shaders/polynomial.wgsl"),
                 include_str!("../../../shaders/masks.wgsl"),
                 include_str!("../../../shaders/box_march.wgsl"),
@@ -283,13 +289,13 @@ impl Shape {
                 include_str!("../../../shaders/box_forces.wgsl"),
                 include_str!("../../../shaders/box_tangents.wgsl"),
             ],
-            March::SampledCircle { .. } => &[
+            MarchKind::SampledCircle { .. } => &[
                 include_str!("../../../shaders/circle.wgsl"),
                 include_str!("../../../shaders/circle_sampled_lap.wgsl"),
                 include_str!("../../../shaders/circle_sampled_forces.wgsl"),
                 include_str!("../../../shaders/circle_sampled_tangents.wgsl"),
             ],
-            March::LocatedCircle => &[
+            MarchKind::LocatedCircle => &[
                 include_str!("../../../shaders/polynomial.wgsl"),
                 include_str!("../../../shaders/masks.wgsl"),
                 include_str!("../../../shaders/circle.wgsl"),

@@ -11,7 +11,7 @@ use faer::{Mat, MatRef, Par, Side, Spec, c64};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// An entry of a symmetric (real) or Hermitian (complex) matrix.
-pub trait Entry:
+pub trait Scalar:
     ComplexField<Real = f64>
     + Copy
     + From<f64>
@@ -24,13 +24,13 @@ pub trait Entry:
     fn real_part(self) -> f64;
 }
 
-impl Entry for f64 {
+impl Scalar for f64 {
     fn real_part(self) -> f64 {
         self
     }
 }
 
-impl Entry for c64 {
+impl Scalar for c64 {
     fn real_part(self) -> f64 {
         self.re
     }
@@ -47,7 +47,7 @@ const CLUSTER: f64 = 1e-5;
 ///
 /// # Errors
 /// [`LinalgError::EigenNotConverged`] for a matrix that is not finite.
-pub fn symmetric_eigen<E: Entry>(a: MatRef<'_, E>) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
+pub fn symmetric_eigen<E: Scalar>(a: MatRef<'_, E>) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
     let n = a.nrows();
     let mut params: Spec<SelfAdjointEvdParams, E> = Spec::default();
     params.config.recursion_threshold = usize::MAX;
@@ -78,7 +78,7 @@ pub fn symmetric_eigen<E: Entry>(a: MatRef<'_, E>) -> Result<(Vec<f64>, Mat<E>),
 ///
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`] if M has no Cholesky factor.
-pub fn symmetric_generalized_eigen<E: Entry>(
+pub fn symmetric_generalized_eigen<E: Scalar>(
     stiffness: MatRef<'_, E>,
     mass: MatRef<'_, E>,
 ) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
@@ -108,7 +108,7 @@ pub fn symmetric_generalized_eigen<E: Entry>(
 /// With K̂ = ΦᴴKΦ and M̂ = ΦᴴMΦ, φⱼ ← φⱼ + Σᵢ cᵢⱼ φᵢ, cᵢⱼ = (λⱼ M̂ᵢⱼ − K̂ᵢⱼ)/(λᵢ − λⱼ), cⱼⱼ = (1 − M̂ⱼⱼ)/2; within
 /// a cluster only the mass is orthogonalised. λ is the Rayleigh quotient.
 /// Source: Ogita & Aishima, Japan J. Indust. Appl. Math. 35 (2018) 1007, carried over to the pencil.
-fn refined<E: Entry>(
+fn refined<E: Scalar>(
     stiffness: MatRef<'_, E>,
     mass: MatRef<'_, E>,
     phi: &Mat<E>,

@@ -25,7 +25,7 @@ mod sparse_eigen;
 pub mod split;
 pub mod vector;
 
-pub use dense_eigen::{Entry, symmetric_eigen, symmetric_generalized_eigen};
+pub use dense_eigen::{Scalar, symmetric_eigen, symmetric_generalized_eigen};
 pub use sparse_eigen::{FactoredPencil, LowestModes, Wanted, lowest_modes};
 
 /// Why a factorisation or an eigenvalue problem has no answer.

@@ -4,7 +4,7 @@ use super::arrays::LaneArrays;
 use super::program::{LanePlaces, Program, TILE, text};
 use super::system::LaneSystem;
 use crate::aft::AftPlan;
-use crate::gpu::{Device, Fault, GpuError, Kernels, Precision, Scope, Shape};
+use crate::gpu::{Device, Fault, GpuError, Kernels, Precision, Scope, ShaderKey};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -79,7 +79,7 @@ impl LaneKernels {
         plan: &AftPlan<f64>,
         fault: Option<Fault>,
     ) -> Result<Self, GpuError> {
-        let shape = Shape::of(plan, Precision::F32).ok_or_else(|| GpuError::Shader {
+        let shape = ShaderKey::of(plan, Precision::F32).ok_or_else(|| GpuError::Shader {
             message: "there is none of this law".to_owned(),
         })?;
         if !device.adapter.is_hardware() && !shape.suits_software() {
@@ -126,7 +126,7 @@ impl LaneKernels {
     /// Whether they were compiled for this `system` and contacts that `plan` evaluates.
     pub(super) fn are_of(&self, system: &LaneSystem, plan: &AftPlan<f64>) -> bool {
         self.system == *system
-            && Shape::of(plan, Precision::F32).as_ref() == Some(self.contact.shape())
+            && ShaderKey::of(plan, Precision::F32).as_ref() == Some(self.contact.shape())
     }
 
     /// Lanes of the largest batch that the limits of `device` allow.

@@ -1,7 +1,7 @@
 //! The passes of one Newton iteration of many lanes: text of the shaders, places of the arrays, and the order of the passes.
 
 use super::system::{LaneSystem, OWN_FIRST};
-use crate::aft::Block;
+use crate::aft::TangentBlock;
 use crate::gpu::Fault;
 use std::fmt::Write;
 
@@ -131,7 +131,7 @@ impl LanePlaces {
 }
 
 /// The shader text for `system` with tangents of these `blocks`.
-pub(super) fn text(system: &LaneSystem, blocks: &[Block]) -> String {
+pub(super) fn text(system: &LaneSystem, blocks: &[TangentBlock]) -> String {
     let (lane, shared) = (LanePlaces::new(system), &system.places);
     let mut text = String::new();
     for (name, value) in [

@@ -1,6 +1,6 @@
 //! Complex matrices from Matrix Market files; real ones as complex.
 
-use super::matrix_market::{Collects, Entry, Given, LARGEST, Shape, place, read_entries};
+use super::matrix_market::{Collects, Entry, Given, LARGEST, MatrixShape, place, read_entries};
 use crate::file::FileError;
 use faer::{Mat, c64};
 use std::path::Path;
@@ -30,7 +30,7 @@ pub(super) fn read_complex(path: &Path) -> Result<StatedComplex, FileError> {
 
 /// A dense matrix with both triangles.
 struct Complex {
-    shape: Shape,
+    shape: MatrixShape,
     matrix: Mat<c64>,
     given: Given,
 }
@@ -38,7 +38,7 @@ struct Complex {
 impl Collects for Complex {
     const COMPLEX: bool = true;
 
-    fn empty(shape: Shape, coordinate: bool) -> Self {
+    fn empty(shape: MatrixShape, coordinate: bool) -> Self {
         Self {
             shape,
             matrix: Mat::zeros(shape.rows, shape.columns),

@@ -180,9 +180,9 @@ impl FixedInterface {
         for (dof, place) in self.parts.place.iter().enumerate() {
             for column in 0..basis.ncols() {
                 basis[(dof, column)] = match *place {
-                    Place::Master(master) => f64::from(u8::from(column == master)),
-                    Place::Inner(row) if column < b => -self.follow[(row, column)],
-                    Place::Inner(row) => self.modes.shapes[(row, column - b)],
+                    CoordinatePlace::Master(master) => f64::from(u8::from(column == master)),
+                    CoordinatePlace::Inner(row) if column < b => -self.follow[(row, column)],
+                    CoordinatePlace::Inner(row) => self.modes.shapes[(row, column - b)],
                 };
             }
         }
@@ -197,31 +197,31 @@ fn symmetric(a: &Mat<f64>) -> Mat<f64> {
 
 /// Where each coordinate went.
 #[derive(Clone, Copy)]
-enum Place {
+enum CoordinatePlace {
     Master(usize),
     Inner(usize),
 }
 
 /// Split of the coordinates into masters and inner ones.
 struct Partition {
-    place: Vec<Place>,
+    place: Vec<CoordinatePlace>,
     n_inner: usize,
     n_masters: usize,
 }
 
 impl Partition {
     fn new(n_dofs: usize, masters: &[usize]) -> Self {
-        let mut place = vec![Place::Inner(0); n_dofs];
+        let mut place = vec![CoordinatePlace::Inner(0); n_dofs];
         for (i, &dof) in masters.iter().enumerate() {
             assert!(
-                matches!(place[dof], Place::Inner(_)),
+                matches!(place[dof], CoordinatePlace::Inner(_)),
                 "master {dof} is listed twice"
             );
-            place[dof] = Place::Master(i);
+            place[dof] = CoordinatePlace::Master(i);
         }
         let mut n_inner = 0;
         for slot in &mut place {
-            if let Place::Inner(i) = slot {
+            if let CoordinatePlace::Inner(i) = slot {
                 *i = n_inner;
                 n_inner += 1;
             }
@@ -237,7 +237,7 @@ impl Partition {
     fn entries<'a>(
         &'a self,
         full: &'a SparseColMat<usize, f64>,
-    ) -> impl Iterator<Item = (Place, Place, f64)> + 'a {
+    ) -> impl Iterator<Item = (CoordinatePlace, CoordinatePlace, f64)> + 'a {
         full.triplet_iter()
             .map(|t| (self.place[t.row], self.place[t.col], *t.val))
     }
@@ -246,7 +246,9 @@ impl Partition {
         let entries: Vec<_> = self
             .entries(full)
             .filter_map(|entry| match entry {
-                (Place::Inner(row), Place::Inner(col), val) => Some(Triplet { row, col, val }),
+                (CoordinatePlace::Inner(row), CoordinatePlace::Inner(col), val) => {
+                    Some(Triplet { row, col, val })
+                }
                 _ => None,
             })
             .collect();
@@ -259,7 +261,7 @@ impl Partition {
     fn coupling(&self, full: &SparseColMat<usize, f64>) -> Mat<f64> {
         let mut block = Mat::zeros(self.n_inner, self.n_masters);
         for entry in self.entries(full) {
-            if let (Place::Inner(row), Place::Master(col), val) = entry {
+            if let (CoordinatePlace::Inner(row), CoordinatePlace::Master(col), val) = entry {
                 block[(row, col)] = val;
             }
         }
@@ -269,7 +271,7 @@ impl Partition {
     fn masters_block(&self, full: &SparseColMat<usize, f64>) -> Mat<f64> {
         let mut block = Mat::zeros(self.n_masters, self.n_masters);
         for entry in self.entries(full) {
-            if let (Place::Master(row), Place::Master(col), val) = entry {
+            if let (CoordinatePlace::Master(row), CoordinatePlace::Master(col), val) = entry {
                 block[(row, col)] = val;
             }
         }

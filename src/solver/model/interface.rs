@@ -9,7 +9,7 @@ use crate::setting::{BadSetting, USUAL_FRICTION, friction_coefficient, unusual, 
     Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "kebab-case")]
-pub enum Share {
+pub enum StiffnessShare {
     /// Every pair has the same part, whatever its area.
     Equal,
     /// In proportion to the pair's area: the pressure is even under an even approach, on any grid.
@@ -29,7 +29,7 @@ pub struct InterfaceSettings {
     /// Friction coefficient.
     pub friction_coefficient: f64,
     /// How the pairs share the stiffness.
-    pub share: Share,
+    pub share: StiffnessShare,
 }
 
 impl Default for InterfaceSettings {
@@ -38,7 +38,7 @@ impl Default for InterfaceSettings {
             normal_stiffness: 1e9,
             tangential_stiffness: 2.33e8,
             friction_coefficient: 0.6,
-            share: Share::TributaryArea,
+            share: StiffnessShare::TributaryArea,
         }
     }
 }
@@ -89,8 +89,8 @@ impl InterfaceSettings {
     #[must_use]
     pub fn parameters(&self, pairs: &[ContactPair]) -> Vec<ContactParameters<f64>> {
         let weight = |pair: &ContactPair| match self.share {
-            Share::Equal => 1.0,
-            Share::TributaryArea => pair.area,
+            StiffnessShare::Equal => 1.0,
+            StiffnessShare::TributaryArea => pair.area,
         };
         pairs
             .iter()
@@ -128,7 +128,10 @@ mod tests {
     #[test]
     fn parts_add_up_to_the_interface() {
         let pairs = [pair(0, 1.0), pair(0, 3.0), pair(1, 5.0)];
-        for (share, first) in [(Share::Equal, 0.5), (Share::TributaryArea, 0.25)] {
+        for (share, first) in [
+            (StiffnessShare::Equal, 0.5),
+            (StiffnessShare::TributaryArea, 0.25),
+        ] {
             let settings = InterfaceSettings {
                 share,
                 ..InterfaceSettings::default()

@@ -25,7 +25,7 @@ pub struct Stated {
 
 /// What a file states of its matrix before its entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shape {
+pub struct MatrixShape {
     /// Rows.
     pub rows: usize,
     /// Columns.
@@ -57,7 +57,7 @@ pub trait Collects {
     const COMPLEX: bool = false;
 
     /// An empty collection; `coordinate` if entries come in any order, so that one may come twice.
-    fn empty(shape: Shape, coordinate: bool) -> Self;
+    fn empty(shape: MatrixShape, coordinate: bool) -> Self;
 
     /// Takes an entry.
     ///
@@ -111,7 +111,7 @@ pub fn read_entries<C: Collects>(path: &Path, most: usize) -> Result<(C, u32), F
 
 /// A dense matrix with both triangles.
 struct Dense {
-    shape: Shape,
+    shape: MatrixShape,
     matrix: Mat<f64>,
     given: Given,
 }
@@ -123,8 +123,8 @@ pub(super) struct Given {
 }
 
 impl Given {
-    pub(super) fn none(shape: Shape, coordinate: bool) -> Self {
-        let Shape { rows, columns, .. } = shape;
+    pub(super) fn none(shape: MatrixShape, coordinate: bool) -> Self {
+        let MatrixShape { rows, columns, .. } = shape;
         Self {
             rows,
             entries: vec![false; if coordinate { rows * columns } else { 0 }],
@@ -145,7 +145,7 @@ impl Given {
 }
 
 impl Collects for Dense {
-    fn empty(shape: Shape, coordinate: bool) -> Self {
+    fn empty(shape: MatrixShape, coordinate: bool) -> Self {
         Self {
             shape,
             matrix: Mat::zeros(shape.rows, shape.columns),
@@ -270,7 +270,7 @@ struct Entries<'h, C> {
 
 impl<'h, C: Collects> Entries<'h, C> {
     fn new(header: &'h Header, size: &'h Size) -> Self {
-        let shape = Shape {
+        let shape = MatrixShape {
             rows: size.rows,
             columns: size.columns,
             symmetric: header.symmetric,

@@ -19,7 +19,7 @@ use super::share::{BLOCK, refuse_looks};
 use crate::Error;
 use crate::ensemble::Known;
 use crate::ensemble::atlas::Anchor;
-use crate::ensemble::parts::{Claims, Merged, RunIdentity, Source, StoredPart};
+use crate::ensemble::parts::{Claims, Merged, MergedSource, RunIdentity, StoredPart};
 use crate::ensemble::runner::generations;
 use crate::file::{FileError, FolderLock};
 use crate::study::output::OutputFolder;
@@ -174,7 +174,7 @@ impl SharedSamples<'_> {
 
     /// Reads the samples of a part and, where it has them, their anchors.
     fn read(&mut self, part: &StoredPart) -> Result<(), FileError> {
-        let mut samples = Merged::new(vec![Source::of(part)], &self.study.design);
+        let mut samples = Merged::new(vec![MergedSource::of(part)], &self.study.design);
         let mut anchors = Vec::new();
         while let Some(sample) = samples.take()? {
             let Some(anchor) = sample.anchor else {

@@ -7,7 +7,7 @@ use crate::ensemble::times::SampleTimes;
 
 /// A stage of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub enum RunStage {
     /// The model is built.
     Model,
     /// Samples are solved.
@@ -24,7 +24,7 @@ pub enum Stage {
     Report,
 }
 
-impl Stage {
+impl RunStage {
     /// In words.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -44,7 +44,7 @@ impl Stage {
 #[derive(Debug, Clone, Default)]
 pub struct Profile {
     /// Wall time of each stage, in their order; a stage that was not needed is absent.
-    pub stages: Vec<(Stage, Duration)>,
+    pub stages: Vec<(RunStage, Duration)>,
     /// Time of the samples, the sum over the threads.
     pub samples: SampleTimes,
 }
@@ -55,7 +55,7 @@ pub(super) struct Profiler(Mutex<Profile>);
 
 impl Profiler {
     /// Does the `work` of a stage.
-    pub(super) fn stage<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
+    pub(super) fn stage<T>(&self, stage: RunStage, work: impl FnOnce() -> T) -> T {
         let begun = Instant::now();
         let result = work();
         let time = begun.elapsed();

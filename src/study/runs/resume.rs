@@ -3,13 +3,15 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::profile::{Profiler, Stage};
+use super::profile::{Profiler, RunStage};
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
-use crate::ensemble::parts::{Difference, Merged, PartFolder, RunIdentity, Source, StoredPart};
+use crate::ensemble::parts::{
+    Difference, Merged, MergedSource, PartFolder, RunIdentity, StoredPart,
+};
 use crate::ensemble::program::Program;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::ensemble::store::{ATLAS_FILE, StoredStudy, read_indices, read_study};
@@ -28,8 +30,8 @@ pub(in crate::study) struct Resumed {
     /// Sample 0, if it is among them.
     pub first: Option<SampleOutcome>,
     /// Where they stand: whole results, and parts.
-    results: Vec<Source>,
-    parts: Vec<Source>,
+    results: Vec<MergedSource>,
+    parts: Vec<MergedSource>,
     /// Parts whose hashes were compared.
     compared: Vec<StoredPart>,
     /// Who solved some of them, beside this program.
@@ -178,7 +180,7 @@ impl Resumed {
                 Ok(part) => {
                     let other = accepted_part(folder, &part, identity, settings)?;
                     self.add_programs(other.into_iter());
-                    self.parts.push(Source::of(&part));
+                    self.parts.push(MergedSource::of(&part));
                     stood.extend(&part.samples);
                     self.compared.push(part);
                 }
@@ -195,9 +197,9 @@ impl Resumed {
 }
 
 /// The tables of whole results.
-pub(super) fn results_source(folder: &Path) -> Source {
+pub(super) fn results_source(folder: &Path) -> MergedSource {
     let [samples, curves] = TABLES;
-    Source {
+    MergedSource {
         paths: [samples, curves, ATLAS_FILE].map(|name| folder.join(name)),
         first: 0,
     }
@@ -368,7 +370,7 @@ pub(super) fn finished(
         return Ok(None);
     }
     let profiler = Profiler::default();
-    let rendered = profiler.stage(Stage::Report, || report::render(folder.path()));
+    let rendered = profiler.stage(RunStage::Report, || report::render(folder.path()));
     let (summary, stored) = rendered?;
     Ok(Some(RunResult {
         profile: profiler.read(),

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::control_variate::control_samples;
-use super::profile::Stage;
+use super::profile::RunStage;
 use super::progress::{Meter, Progress};
 use super::replacement::{admitted, refuse_own_inputs, replaced};
 use super::resume::{Resumed, add_results_there, finished, resumed};
@@ -120,23 +120,23 @@ pub(super) fn run_after(
         resumed.forget();
         let alone = study.output.one_at_a_time;
         let profiler = &session.profiler;
-        record.one_at_a_time =
-            alone.then(|| profiler.stage(Stage::OneAtATime, || ensemble.one_at_a_time(&anchors)));
+        record.one_at_a_time = alone
+            .then(|| profiler.stage(RunStage::OneAtATime, || ensemble.one_at_a_time(&anchors)));
         let further = match study.design.outer() {
             None => Vec::new(),
             Some(_) => {
                 let outcomes = resumed.outcomes(study, samples)?;
                 let solved = Solved { outcomes, anchors };
-                profiler.stage(Stage::WorstCases, || {
+                profiler.stage(RunStage::WorstCases, || {
                     worst_cases(ensemble, &record, &solved, session.meter)
                 })
             }
         };
         let control = match &study.control_variate {
             None => Vec::new(),
-            Some(wanted) => {
-                profiler.stage(Stage::ControlVariate, || control_samples(session, *wanted))?
-            }
+            Some(wanted) => profiler.stage(RunStage::ControlVariate, || {
+                control_samples(session, *wanted)
+            })?,
         };
         record.backend = session.backend.report();
         record.wall_time_s = clock.elapsed().as_secs_f64();
@@ -215,7 +215,7 @@ fn place_results<F>(
     let (study, folder) = (&session.prepared.study, session.folder.path());
     let results = Together::begin(folder)?;
     let names = &session.head.input_names;
-    let tables = session.profiler.stage(Stage::Tables, || {
+    let tables = session.profiler.stage(RunStage::Tables, || {
         write_tables(results.path(), session, resumed, samples, record)
     });
     record.tables = tables?.to_vec();
@@ -226,7 +226,7 @@ fn place_results<F>(
     record.write(results.path())?;
     // From the files alone, so that `report` gives the same bytes.
     let profiler = &session.profiler;
-    let rendered = profiler.stage(Stage::Report, || report::render(results.path()))?;
+    let rendered = profiler.stage(RunStage::Report, || report::render(results.path()))?;
     let arrow = OPTIONAL_TABLES.map(|name| name.replace(".parquet", ".arrow"));
     let optional: Vec<&str> = (OPTIONAL_TABLES.into_iter())
         .chain(arrow.iter().map(String::as_str))

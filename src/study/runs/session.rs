@@ -1,6 +1,6 @@
 //! A process at work on a run.
 
-use super::profile::{Profiler, Stage};
+use super::profile::{Profiler, RunStage};
 use super::progress::{Meter, Progress};
 use super::resume::{Resumed, refuse_other_results};
 use super::run_record::provenance;
@@ -73,7 +73,7 @@ pub(super) fn at_work<T: Send, F: Fn(Progress) + Sync>(
     work: impl FnOnce(&Session<'_, F>) -> Result<T, Error> + Send,
 ) -> Result<T, Error> {
     let profiler = Profiler::default();
-    let prepared = profiler.stage(Stage::Model, || begun.study.prepared())?;
+    let prepared = profiler.stage(RunStage::Model, || begun.study.prepared())?;
     let at_once = samples_that_fit(&prepared)?;
     let threads = rayon::current_num_threads();
     if at_once >= threads {
@@ -159,7 +159,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             };
             let (writer, collector) =
                 PartWriter::start(scope, &self.parts, &self.head, stop, every, done);
-            let ended = self.profiler.stage(Stage::Samples, || work(&collector));
+            let ended = self.profiler.stage(RunStage::Samples, || work(&collector));
             drop(collector);
             writer.finish().map_err(unwritten)?;
             Ok::<_, Error>(ended)

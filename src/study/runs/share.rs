@@ -20,7 +20,7 @@ pub(super) const BLOCK: u64 = 64;
 
 /// What a process solves of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Share {
+pub enum SampleShare {
     /// The samples from which all others start: the first 1024.
     Atlas,
     /// These, unless they are solved already, and of the blocks after them every one whose number leaves this rest.
@@ -32,7 +32,7 @@ pub enum Share {
     },
 }
 
-impl Share {
+impl SampleShare {
     /// The samples after the atlas that are in this share, of 0 … `samples` − 1.
     fn after_atlas(self, samples: u64) -> impl Iterator<Item = u64> {
         (MOST_ANCHORS..samples).filter(move |index| match self {
@@ -63,7 +63,7 @@ pub struct ShareResult {
 pub fn solve_share(
     study: &Study,
     folder: &OutputFolder,
-    share: Share,
+    share: SampleShare,
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<ShareResult, Error> {

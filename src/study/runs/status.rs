@@ -5,7 +5,9 @@ use std::time::SystemTime;
 
 use super::resume::{identity_of_results, results_source};
 use crate::Error;
-use crate::ensemble::parts::{Merged, PartFolder, RunIdentity, Source, StoredPart, more_samples};
+use crate::ensemble::parts::{
+    Merged, MergedSource, PartFolder, RunIdentity, StoredPart, more_samples,
+};
 use crate::ensemble::store::read_indices;
 use crate::file::{FileError, finish_placing};
 use crate::report::run::{RECORD, TABLES, order_folder, order_of_folder};
@@ -198,9 +200,9 @@ impl RunStatus {
     pub(super) fn of_parts(
         study: &Study,
         parts: &[StoredPart],
-        before: Option<Source>,
+        before: Option<MergedSource>,
     ) -> Result<Self, FileError> {
-        let sources = before.into_iter().chain(parts.iter().map(Source::of));
+        let sources = before.into_iter().chain(parts.iter().map(MergedSource::of));
         let mut samples = Merged::new(sources.collect(), &study.design);
         let (mut indices, mut failed) = (Vec::new(), 0);
         while let Some(sample) = samples.take()? {

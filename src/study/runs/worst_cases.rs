@@ -12,7 +12,7 @@ use crate::ensemble::further_points::FurtherPoint;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::{Ensemble, Solved};
 use crate::report::RunRecord;
-use crate::report::asked::requirement::{Criterion, Quantity};
+use crate::report::asked::requirement::{Criterion, RequiredQuantity};
 use crate::report::numbers::outer_groups;
 use crate::report::verdict::{badness, side_of_order};
 use crate::sampling::outer::OuterPoints;
@@ -122,7 +122,7 @@ impl<'a> Known<'a> {
         meter: &Meter<impl Fn(Progress) + Sync>,
     ) {
         let operation = match (criterion.quantity, &record.requirements.operation) {
-            (Quantity::FrequencyMarginPercent, Some(operation)) => operation,
+            (RequiredQuantity::FrequencyMarginPercent, Some(operation)) => operation,
             _ => return,
         };
         for &order in &operation.engine_orders {

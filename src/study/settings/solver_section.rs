@@ -8,7 +8,7 @@ use crate::hb::settings::{
     HIGHEST_HARMONIC, MOST_BUDGET, MOST_ITERATIONS, THRESHOLD, TOLERANCE, highest_harmonic,
 };
 use crate::hb::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor, StabilityScope};
-use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM, Share};
+use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM, StiffnessShare};
 use crate::setting::{BadSetting, FRICTION};
 use crate::units::n_per_um_to_n_per_m;
 
@@ -37,7 +37,7 @@ pub struct ContactSection {
     friction_coefficient: Option<f64>,
     /// How the pairs of an interface of the built-in model share its stiffness.
     #[schemars(extend("default" = InterfaceSettings::default().share))]
-    share: Option<Share>,
+    share: Option<StiffnessShare>,
     /// Friction law of every contact. With one tangential direction both are the same.
     #[schemars(extend("default" = DEFAULT_LAW))]
     law: Option<FrictionLaw>,

@@ -8,7 +8,7 @@ use super::{
 };
 use microslip::ensemble::SolvedSample;
 use microslip::ensemble::outcome::AroundPeak;
-use microslip::ensemble::parts::{Merged, PartFolder, PartHead, Source, StoredPart};
+use microslip::ensemble::parts::{Merged, MergedSource, PartFolder, PartHead, StoredPart};
 use microslip::ensemble::program::this_process;
 use microslip::hb::Status;
 use microslip::report::RunRecord;
@@ -33,7 +33,7 @@ fn stored(folder: &Path, output: &str) -> (PartFolder, PartHead, Vec<SolvedSampl
         input_names: record.inputs.iter().map(|i| i.name.clone()).collect(),
         provenance: record.provenance,
     };
-    let mut merged = Merged::new(found.iter().map(Source::of).collect(), &study.design);
+    let mut merged = Merged::new(found.iter().map(MergedSource::of).collect(), &study.design);
     let samples = std::iter::from_fn(|| merged.take().unwrap());
     (parts, head, samples.collect())
 }

@@ -1,7 +1,7 @@
 //! What the result of a state does not depend on: the states beside it, and what else is wanted.
 
 use super::{forces, plans, random_states, run};
-use microslip::aft::{Block, Laps, Tangent, Want};
+use microslip::aft::{Laps, Tangent, TangentBlock, Want};
 use microslip::harmonics::HarmonicSet;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 fn a_state_does_not_see_its_neighbours() {
     let set = HarmonicSet::up_to(4);
     let states = random_states(&mut ChaCha8Rng::seed_from_u64(9), &set, 37);
-    let size = Block::COUNT * set.n_coefficients().pow(2);
+    let size = TangentBlock::COUNT * set.n_coefficients().pow(2);
     for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(2)]) {
         let together = run(&plan, &states, Want::ForcesAndTangents);
         for (i, state) in states.iter().enumerate() {

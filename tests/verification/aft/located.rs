@@ -177,7 +177,7 @@ fn a_located_state_does_not_see_its_neighbours() {
     let set = HarmonicSet::up_to(4);
     let states = random_states(&mut ChaCha8Rng::seed_from_u64(9), &set, 37);
     let plan = plan(&set, 64, Laps::Periodic);
-    let size = Block::COUNT * set.n_coefficients().pow(2);
+    let size = TangentBlock::COUNT * set.n_coefficients().pow(2);
     let together = run(&plan, &states, Want::ForcesAndTangents);
     for (i, state) in states.iter().enumerate() {
         let alone = run(&plan, std::slice::from_ref(state), Want::ForcesAndTangents);

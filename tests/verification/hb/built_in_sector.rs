@@ -7,7 +7,7 @@ use crate::two_blade::{K_N, K_T};
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, solve};
 use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution, Status};
-use microslip::model::interface::{InterfaceSettings, Share};
+use microslip::model::interface::{InterfaceSettings, StiffnessShare};
 use microslip::model::two_blade::{TwoBladeSettings, sector};
 use std::f64::consts::TAU;
 
@@ -34,7 +34,7 @@ fn the_built_in_sector_answers_like_its_ring() {
         normal_stiffness: K_N,
         tangential_stiffness: K_T,
         friction_coefficient: 0.4,
-        share: Share::TributaryArea,
+        share: StiffnessShare::TributaryArea,
     };
     let contacts = interface.parameters(&disk.contacts);
     let settings = sharp(3);

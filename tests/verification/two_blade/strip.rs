@@ -2,7 +2,7 @@
 
 use super::{K_N, K_T, RIG};
 use microslip::model::ReducedModel;
-use microslip::model::interface::{InterfaceSettings, Share};
+use microslip::model::interface::{InterfaceSettings, StiffnessShare};
 use microslip::model::two_blade::{
     PressureField, PressureInputs, TwoBladeModel, TwoBladeSettings, build,
 };
@@ -96,7 +96,7 @@ fn a_thicker_strip_is_heavier_and_stiffer() {
         normal_stiffness: K_N,
         tangential_stiffness: K_T,
         friction_coefficient: 0.6,
-        share: Share::TributaryArea,
+        share: StiffnessShare::TributaryArea,
     };
     let contacts = interface.parameters(&RIG.reduced.contacts);
     let [mass, load] = mass_and_load(&RIG.reduced);

@@ -44,12 +44,12 @@ pub(super) struct PossibleMap {
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::identify) struct SlipLimits {
     /// Steps of the distribution, by rising limit.
-    steps: Vec<Step>,
+    steps: Vec<LimitStep>,
 }
 
 /// Parts with one limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Step {
+struct LimitStep {
     limit: f64,
     /// Share of the swing where these parts begin to slip.
     share: f64,
@@ -63,7 +63,7 @@ impl KnownPressure {
     pub fn new(map: &PressureMap) -> Self {
         let of = |power: f64| {
             let parts = map.cells.iter();
-            SlipLimits::new(parts.map(|cell| Part {
+            SlipLimits::new(parts.map(|cell| ContactPart {
                 limit: libm::pow(cell.pressure_pa, power),
                 area: cell.area_m2,
             }))
@@ -98,7 +98,7 @@ impl KnownPressure {
 
 /// A part of the contact.
 #[derive(Debug, Clone, Copy)]
-struct Part {
+struct ContactPart {
     /// Up to a factor.
     limit: f64,
     /// Up to a factor.
@@ -106,16 +106,16 @@ struct Part {
 }
 
 impl SlipLimits {
-    fn new(parts: impl Iterator<Item = Part>) -> Self {
-        let mut parts: Vec<Part> = parts.collect();
+    fn new(parts: impl Iterator<Item = ContactPart>) -> Self {
+        let mut parts: Vec<ContactPart> = parts.collect();
         parts.sort_by(|a, b| a.limit.total_cmp(&b.limit));
         let area: f64 = parts.iter().map(|part| part.area).sum();
         let mean = parts.iter().map(|part| part.area * part.limit).sum::<f64>() / area;
-        let mut steps: Vec<Step> = Vec::new();
+        let mut steps: Vec<LimitStep> = Vec::new();
         let [mut slipping, mut sticking] = [0.0, 1.0];
         for alike in parts.chunk_by(|a, b| a.limit == b.limit) {
             let limit = alike[0].limit / mean;
-            steps.push(Step {
+            steps.push(LimitStep {
                 limit,
                 share: slipping + sticking * limit,
                 sticks: sticking,
@@ -162,7 +162,11 @@ mod tests {
     use super::*;
 
     fn limits(parts: &[(f64, f64)]) -> SlipLimits {
-        SlipLimits::new(parts.iter().map(|&(limit, area)| Part { limit, area }))
+        SlipLimits::new(
+            parts
+                .iter()
+                .map(|&(limit, area)| ContactPart { limit, area }),
+        )
     }
 
     /// Limits that are spread evenly from 0 to twice the mean, in unequal cells: the share of the swing is 1 − (1 − x/2)².

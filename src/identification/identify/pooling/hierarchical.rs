@@ -209,7 +209,7 @@ struct MeansAtCovariances<'a> {
 
 /// What the data say of one part of the values: the inverse covariance less what the means take (P of restricted likelihood, its block),
 /// and the weighted rest.
-struct Part {
+struct ValuePart {
     projection: DMatrix<f64>,
     rest: DVector<f64>,
 }
@@ -235,13 +235,13 @@ impl<'a> MeansAtCovariances<'a> {
 
     /// Mean over the tests of the expected square of their part.
     fn tests_given_data(&self, between: &DMatrix<f64>) -> DMatrix<f64> {
-        let of_group = |group: &Weighted<'_>| -> Vec<Part> {
+        let of_group = |group: &Weighted<'_>| -> Vec<ValuePart> {
             let rest = &group.given * group.rest(&self.mean);
             let tests = group.group.tests.iter().zip(&group.weights);
             let part = |(test, weight): (&Test, &DMatrix<f64>)| {
                 let of_means = weight * &group.left;
                 let of_group = weight * &group.given * weight;
-                Part {
+                ValuePart {
                     projection: weight
                         - of_group
                         - &of_means * &self.of_mean * of_means.transpose(),
@@ -257,7 +257,7 @@ impl<'a> MeansAtCovariances<'a> {
     fn groups_given_data(&self, between: &DMatrix<f64>) -> DMatrix<f64> {
         let part = |group: &Weighted<'_>| {
             let weight = group.weight();
-            Part {
+            ValuePart {
                 projection: &weight - &weight * &self.of_mean * weight.transpose(),
                 rest: group.left.transpose() * group.rest(&self.mean),
             }
@@ -267,10 +267,10 @@ impl<'a> MeansAtCovariances<'a> {
 }
 
 /// Mean of the expected squares of parts with the covariance `between`.
-fn expected(between: &DMatrix<f64>, parts: impl Iterator<Item = Part>) -> DMatrix<f64> {
+fn expected(between: &DMatrix<f64>, parts: impl Iterator<Item = ValuePart>) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(between.nrows(), between.ncols());
     let mut count = 0.0;
-    for Part { projection, rest } in parts {
+    for ValuePart { projection, rest } in parts {
         let mean = between * rest;
         sum += between - between * projection * between + &mean * mean.transpose();
         count += 1.0;

@@ -1,7 +1,7 @@
 //! All tests together: medians over contacts, scatter between contacts, correlation.
 
 use super::hierarchical::{Fit, Observation, fit};
-use super::trend::{Point, exponent};
+use super::trend::{TrendPoint, exponent};
 use crate::identify::cycles::scatter::ChainError;
 use crate::identify::found::parameter::ContactParameter;
 use crate::identify::found::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
@@ -243,14 +243,14 @@ fn trends(used: &[Used<'_>], confidence: f64) -> Vec<Trend> {
                     TrendOver::NormalForce => u.estimate.normal_force_n,
                     TrendOver::Frequency => u.test.cycles?.frequency_hz,
                 };
-                positive(u.estimate, parameter).map(|found| Point {
+                positive(u.estimate, parameter).map(|found| TrendPoint {
                     group: u.group,
                     over: x,
                     value: log(found.value),
                     variance: (found.standard_error / found.value).powi(2),
                 })
             };
-            let points: Vec<Point> = used.iter().filter_map(point).collect();
+            let points: Vec<TrendPoint> = used.iter().filter_map(point).collect();
             trends.extend(
                 exponent(&points, confidence).map(|(exponent, interval)| Trend {
                     parameter,

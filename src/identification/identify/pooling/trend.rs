@@ -22,7 +22,7 @@ const SINGULAR: f64 = 1e-9;
 
 /// One test.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
+pub(super) struct TrendPoint {
     /// Its specimen, from 0 without gaps.
     pub(super) group: usize,
     /// Load or frequency.
@@ -41,9 +41,9 @@ pub(super) struct Point {
 /// tested at several (or where there are two), that of its tests with (tests − specimens − 1); designs between these have a number between.
 ///
 /// Source: Kenward, Roger, Biometrics 53 (1997) 983-997; for the variances Zhou et al., J. Comput. Graph. Stat. 28 (2019) 350-361.
-pub(super) fn exponent(points: &[Point], confidence: f64) -> Option<(f64, [f64; 2])> {
-    let usable: Vec<Point> = points.iter().copied().filter(|p| p.over > 0.0).collect();
-    let ends = |(low, high): (f64, f64), p: &Point| (low.min(p.over), high.max(p.over));
+pub(super) fn exponent(points: &[TrendPoint], confidence: f64) -> Option<(f64, [f64; 2])> {
+    let usable: Vec<TrendPoint> = points.iter().copied().filter(|p| p.over > 0.0).collect();
+    let ends = |(low, high): (f64, f64), p: &TrendPoint| (low.min(p.over), high.max(p.over));
     let (low, high) = usable.iter().fold((f64::INFINITY, 0.0), ends);
     if usable.len() < LEAST_TESTS || high < LEAST_RANGE * low {
         return None;
@@ -58,7 +58,7 @@ pub(super) fn exponent(points: &[Point], confidence: f64) -> Option<(f64, [f64; 
 
 /// Tests of one specimen, in columns.
 #[derive(Debug, Default)]
-struct Group {
+struct SpecimenTests {
     /// Logarithm of load or frequency, about the mean of all.
     x: Vec<f64>,
     /// Logarithm of the parameter, about the mean of all.
@@ -67,7 +67,7 @@ struct Group {
 }
 
 struct Model {
-    groups: Vec<Group>,
+    groups: Vec<SpecimenTests>,
     /// Whether specimens and tests can be told apart.
     nested: bool,
     /// Variance of the values.
@@ -90,7 +90,7 @@ struct Sums {
     traces: [f64; 2],
 }
 
-impl Group {
+impl SpecimenTests {
     fn sums(&self, [between, within]: [f64; 2]) -> Sums {
         let weights: Vec<f64> = self.errors.iter().map(|e| 1.0 / (within + e)).collect();
         let power = |n: i32| weights.iter().map(|w| w.powi(n)).sum::<f64>();
@@ -149,13 +149,13 @@ struct LineAtVariances {
 }
 
 impl Model {
-    fn new(points: &[Point]) -> Self {
+    fn new(points: &[TrendPoint]) -> Self {
         let n = points.len() as f64;
-        let x = |p: &Point| libm::log(p.over);
+        let x = |p: &TrendPoint| libm::log(p.over);
         let centre = points.iter().map(x).sum::<f64>() / n;
         let mean = points.iter().map(|p| p.value).sum::<f64>() / n;
         let count = points.iter().map(|p| p.group + 1).max().unwrap_or(0);
-        let mut groups: Vec<Group> = (0..count).map(|_| Group::default()).collect();
+        let mut groups: Vec<SpecimenTests> = (0..count).map(|_| SpecimenTests::default()).collect();
         for point in points {
             let group = &mut groups[point.group];
             group.x.push(x(point) - centre);
@@ -324,7 +324,7 @@ mod tests {
         reason = "a test that cannot read its own result fails"
     )]
 
-    use super::{Point, exponent};
+    use super::{TrendPoint, exponent};
     use crate::sampling::stream::uniform;
     use crate::special::normal_quantile;
 
@@ -377,7 +377,7 @@ mod tests {
             }
         }
 
-        fn points(&self, seed: u64) -> Vec<Point> {
+        fn points(&self, seed: u64) -> Vec<TrendPoint> {
             let [between, within, error] = self.scatter;
             let count = self.tests.len();
             let point = |(i, (group, load)): (usize, &(usize, f64))| {
@@ -385,7 +385,7 @@ mod tests {
                     normal_quantile(uniform(seed, place as u64, dimension))
                 };
                 let error = error * (1.0 + 5.0 * i as f64 / (count - 1) as f64);
-                Point {
+                TrendPoint {
                     group: *group,
                     over: *load,
                     value: self.slope * load.ln()

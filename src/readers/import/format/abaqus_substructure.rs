@@ -11,7 +11,7 @@ use crate::file::{FileError, significant_digits};
 use crate::model::matrix_market::LARGEST;
 
 /// What the lines that follow a keyword are.
-enum Part {
+enum SubstructurePart {
     /// Not of interest.
     Other,
     /// Numbers of the nodes, in comments.
@@ -50,7 +50,7 @@ struct Element {
 pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
     let mut element = Element::default();
     let mut lines = Lines::new(path, text);
-    let mut part = Part::Other;
+    let mut part = SubstructurePart::Other;
     while let Some(line) = lines.next() {
         let upper = line.to_ascii_uppercase();
         let next = element.keyword(&upper);
@@ -73,13 +73,13 @@ pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMat
 
 impl Element {
     /// The part that a line begins, if it does.
-    fn keyword(&mut self, upper: &str) -> Result<Option<Part>, String> {
+    fn keyword(&mut self, upper: &str) -> Result<Option<SubstructurePart>, String> {
         if let Some(comment) = upper.strip_prefix("**") {
             let comment = comment.trim();
             return Ok(match comment {
                 "ELEMENT NODES" => {
                     self.nodes.clear();
-                    Some(Part::Nodes)
+                    Some(SubstructurePart::Nodes)
                 }
                 _ if comment.starts_with("CLOAD") => Some(self.load(comment)?),
                 _ => None,
@@ -106,33 +106,33 @@ impl Element {
                     return Err("is a second user element: split the file".to_owned());
                 }
                 self.positions = size("NODES", value("NODES=").unwrap_or_default())?;
-                Part::Components
+                SubstructurePart::Components
             }
             ["MATRIX", ..] => {
                 self.expand()?;
                 let at = upper.find("TYPE=").map_or(upper.len(), |at| at + 5);
                 let name = upper[at..].split(',').next().unwrap_or_default().trim();
-                Part::Matrix(Triangle {
+                SubstructurePart::Matrix(Triangle {
                     name: name.to_owned(),
                     ..Triangle::default()
                 })
             }
             ["CLOAD", ..] => self.load(upper)?,
             // a keyword of another kind ends what came before
-            _ => Part::Other,
+            _ => SubstructurePart::Other,
         }))
     }
 
     /// Begins the load.
-    fn load(&self, keyword: &str) -> Result<Part, String> {
-        one_load(keyword, self.loads.is_empty()).map(|()| Part::Loads)
+    fn load(&self, keyword: &str) -> Result<SubstructurePart, String> {
+        one_load(keyword, self.loads.is_empty()).map(|()| SubstructurePart::Loads)
     }
 
     /// Takes a line that belongs to a part.
-    fn data(&mut self, part: &mut Part, line: &str, at: u64) -> Result<(), String> {
+    fn data(&mut self, part: &mut SubstructurePart, line: &str, at: u64) -> Result<(), String> {
         let comment = line.starts_with("**");
         match part {
-            Part::Nodes if comment => {
+            SubstructurePart::Nodes if comment => {
                 for word in words(line.trim_start_matches('*')) {
                     let node = dof_of(word, "0")?.node;
                     self.nodes.push(node);
@@ -142,7 +142,7 @@ impl Element {
                     false => Ok(()),
                 }
             }
-            Part::Loads => {
+            SubstructurePart::Loads => {
                 let words: Vec<&str> = words(line.trim_start_matches('*')).collect();
                 if let [node, dof, value] = words[..] {
                     self.load_digits = self.load_digits.max(significant_digits(value));
@@ -151,10 +151,14 @@ impl Element {
                 Ok(())
             }
             // Abaqus repeats the nodes between the keyword and the components
-            Part::Components | Part::Nodes if !comment && self.positions > 0 => {
+            SubstructurePart::Components | SubstructurePart::Nodes
+                if !comment && self.positions > 0 =>
+            {
                 self.components_at(line)
             }
-            Part::Matrix(triangle) if !comment => triangle.add(line, self.dofs.len(), at),
+            SubstructurePart::Matrix(triangle) if !comment => {
+                triangle.add(line, self.dofs.len(), at)
+            }
             _ => Ok(()),
         }
     }
@@ -208,8 +212,8 @@ impl Element {
     }
 
     /// Keeps a matrix that is whole.
-    fn close(&mut self, path: &Path, part: Part) -> Result<(), FileError> {
-        let Part::Matrix(triangle) = part else {
+    fn close(&mut self, path: &Path, part: SubstructurePart) -> Result<(), FileError> {
+        let SubstructurePart::Matrix(triangle) = part else {
             return Ok(());
         };
         let n = self.dofs.len();

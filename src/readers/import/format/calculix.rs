@@ -55,7 +55,7 @@ pub(in crate::import) fn read_names(path: &Path, text: &str) -> Result<Vec<Dof>,
         }
         let dof = name(line).map_err(|rule| lines.fault(rule))?;
         match dof.component {
-            Component::Row => drop(first_row.get_or_insert(lines.number)),
+            Component::TextRow => drop(first_row.get_or_insert(lines.number)),
             Component::Number(_) => numbered = true,
             Component::Label(_) => {}
         }

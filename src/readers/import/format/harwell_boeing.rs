@@ -22,16 +22,16 @@ struct Header {
     symmetric: bool,
     n: usize,
     entries: usize,
-    pointers: Block,
-    indices: Block,
-    values: Block,
+    pointers: LineBlock,
+    indices: LineBlock,
+    values: LineBlock,
     /// The right-hand side, a load.
-    load: Option<Block>,
+    load: Option<LineBlock>,
 }
 
 /// Lines of numbers of one width.
 #[derive(Clone, Copy)]
-struct Block {
+struct LineBlock {
     what: &'static str,
     lines: usize,
     per_line: usize,
@@ -127,7 +127,7 @@ impl Header {
         let formats: Vec<&str> = line.split_whitespace().collect();
         let block = |what, index: usize, lines_stated: i64| {
             let format = formats.get(index).copied().unwrap_or_default();
-            Block::new(what, format, lines_stated)
+            LineBlock::new(what, format, lines_stated)
         };
         let fault = |rule| lines.fault(rule);
         let pointers = block("column pointers", 0, counts[1]).map_err(fault)?;
@@ -175,7 +175,7 @@ fn counts(line: &str, many: usize) -> Result<Vec<i64>, String> {
     Ok(counts)
 }
 
-impl Block {
+impl LineBlock {
     /// `(I14)`, `(8I10)`, `(1P,3D25.15)`.
     fn new(what: &'static str, format: &str, lines: i64) -> Result<Self, String> {
         let rule = format!("format {format} of the {what}: must be such as (I14) or (3D25.15)");
@@ -213,7 +213,7 @@ impl Block {
 /// Words of fixed width, line by line.
 struct Values<'l, 't> {
     lines: &'l mut Lines<'t>,
-    block: Block,
+    block: LineBlock,
     line: &'t str,
     /// Numbers that the line still holds at most.
     left: usize,
@@ -221,7 +221,7 @@ struct Values<'l, 't> {
 }
 
 impl<'l, 't> Values<'l, 't> {
-    fn new(lines: &'l mut Lines<'t>, block: Block) -> Self {
+    fn new(lines: &'l mut Lines<'t>, block: LineBlock) -> Self {
         Self {
             lines,
             block,
@@ -278,7 +278,7 @@ impl<'l, 't> Values<'l, 't> {
 /// `count` whole numbers from 1 to `most`.
 fn whole_numbers(
     lines: &mut Lines<'_>,
-    block: Block,
+    block: LineBlock,
     count: usize,
     most: usize,
 ) -> Result<Vec<usize>, FileError> {

@@ -98,10 +98,10 @@ fn archive(bytes: &[u8], most: u64) -> Result<BTreeMap<String, Array>, String> {
 struct Array {
     shape: Vec<usize>,
     fortran: bool,
-    numbers: Numbers,
+    numbers: ArrayNumbers,
 }
 
-enum Numbers {
+enum ArrayNumbers {
     Real {
         values: Vec<f64>,
         digits: u32,
@@ -150,11 +150,11 @@ impl Array {
     /// A square matrix or a vector; nothing for others.
     fn matrix(self, path: &Path, name: String) -> Result<Option<ImportedMatrix>, FileError> {
         let (values, digits) = match self.numbers {
-            Numbers::Real { values, digits } => (values, digits),
-            Numbers::Complex => {
+            ArrayNumbers::Real { values, digits } => (values, digits),
+            ArrayNumbers::Complex => {
                 return Err(FileError::content(path, None, "is complex: must be real"));
             }
-            Numbers::Text(_) | Numbers::Other => return Ok(None),
+            ArrayNumbers::Text(_) | ArrayNumbers::Other => return Ok(None),
         };
         let numbers = super::arrays::Numbers { values, digits };
         dense(path, name, &self.shape, self.fortran, numbers)
@@ -162,7 +162,7 @@ impl Array {
 
     /// Whole numbers that are not negative.
     fn indices(&self, name: &str) -> Result<Vec<usize>, String> {
-        let Numbers::Real { values, .. } = &self.numbers else {
+        let ArrayNumbers::Real { values, .. } = &self.numbers else {
             return Err(format!("array {name}: must be whole numbers"));
         };
         let whole = |value: &f64| {
@@ -198,7 +198,7 @@ fn shape(header: &str) -> Result<Vec<usize>, String> {
 }
 
 /// `count` numbers of a kind such as `<f8`.
-fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<Numbers, String> {
+fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<ArrayNumbers, String> {
     let (order, rest) = kind.split_at_checked(1).unwrap_or(("", ""));
     let big_endian = order == ">";
     let (width, kind) = match rest {
@@ -214,10 +214,10 @@ fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<Numbers, String> {
         "u1" | "b1" => (1, Kind::Unsigned),
         _ if rest.starts_with('S') && data.len() <= 16 => {
             let text = String::from_utf8_lossy(data);
-            return Ok(Numbers::Text(text.trim_end_matches('\0').to_owned()));
+            return Ok(ArrayNumbers::Text(text.trim_end_matches('\0').to_owned()));
         }
-        _ if rest.starts_with('c') => return Ok(Numbers::Complex),
-        _ => return Ok(Numbers::Other),
+        _ if rest.starts_with('c') => return Ok(ArrayNumbers::Complex),
+        _ => return Ok(ArrayNumbers::Other),
     };
     if data.len() != count * width {
         return Err(format!(
@@ -232,7 +232,7 @@ fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<Numbers, String> {
     };
     let values = data.chunks_exact(width);
     let values = values.map(|n| number(n, kind, big_endian)).collect();
-    Ok(Numbers::Real { values, digits })
+    Ok(ArrayNumbers::Real { values, digits })
 }
 
 /// A matrix of `save_npz`: csr, csc or coo.
@@ -247,7 +247,7 @@ fn sparse(
         found.ok_or_else(|| fault(format!("must have the array {name}")))
     };
     let indices = |name: &str| array(name)?.indices(name).map_err(fault);
-    let Numbers::Text(format) = &format.numbers else {
+    let ArrayNumbers::Text(format) = &format.numbers else {
         return Err(fault("array format: must be csr, csc or coo".to_owned()));
     };
     let [n, columns] = indices("shape")?[..] else {
@@ -257,7 +257,7 @@ fn sparse(
         let rule = format!("is {n} x {columns}: must be square, of 1 to {MOST_ROWS} rows");
         return Err(fault(rule));
     }
-    let Numbers::Real { values, digits } = &array("data")?.numbers else {
+    let ArrayNumbers::Real { values, digits } = &array("data")?.numbers else {
         return Err(fault("array data: must be real numbers".to_owned()));
     };
     let (first, second) = match format.as_str() {

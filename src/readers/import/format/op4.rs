@@ -15,7 +15,7 @@ pub(in crate::import) const MOST_MATRICES: usize = 1_000;
 
 /// What the header of a matrix states.
 #[derive(Debug, Clone)]
-pub(in crate::import) struct Header {
+pub(in crate::import) struct MatrixHeader {
     pub(in crate::import) name: String,
     pub(in crate::import) rows: i64,
     pub(in crate::import) columns: i64,
@@ -28,7 +28,7 @@ pub(in crate::import) struct Header {
     form: i64,
 }
 
-impl Header {
+impl MatrixHeader {
     /// Columns, rows, form, type and name.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl Header {
 /// A matrix that grows string by string.
 #[derive(Debug)]
 pub(in crate::import) struct Growing {
-    pub(in crate::import) header: Header,
+    pub(in crate::import) header: MatrixHeader,
     path: PathBuf,
     entries: Entries,
     column: i64,
@@ -76,7 +76,7 @@ pub(in crate::import) struct Growing {
 }
 
 impl Growing {
-    pub(in crate::import) fn new(path: &Path, header: Header) -> Self {
+    pub(in crate::import) fn new(path: &Path, header: MatrixHeader) -> Self {
         Self {
             path: path.to_owned(),
             header,
@@ -108,7 +108,7 @@ impl Growing {
     /// # Errors
     /// The rule that it breaks.
     pub(in crate::import) fn string(&mut self, row: i64, numbers: i64) -> Result<(), String> {
-        let Header {
+        let MatrixHeader {
             name, rows, parts, ..
         } = &self.header;
         let end = row.saturating_add(numbers / parts);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
-use super::op4::{Growing, Header, MOST_MATRICES};
+use super::op4::{Growing, MOST_MATRICES, MatrixHeader};
 use crate::file::FileError;
 
 /// Bytes of the first record: four whole numbers and a name, of 32 and of 64 bits.
@@ -11,13 +11,13 @@ const HEADER_BYTES: [usize; 2] = [24, 48];
 
 /// How the bytes are to be read.
 #[derive(Debug, Clone, Copy)]
-struct Layout {
+struct WordLayout {
     big_endian: bool,
     /// Bytes of a word.
     word: usize,
 }
 
-impl Layout {
+impl WordLayout {
     /// By the length of the first record.
     fn of(bytes: &[u8]) -> Option<Self> {
         let marker: [u8; 4] = bytes.get(..4)?.try_into().ok()?;
@@ -56,13 +56,13 @@ impl Layout {
 
 /// Whether the bytes begin as such a file.
 pub(in crate::import) fn begins(bytes: &[u8]) -> bool {
-    Layout::of(bytes).is_some()
+    WordLayout::of(bytes).is_some()
 }
 
 /// Reads all matrices.
 pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedMatrix>, FileError> {
     let fault = |rule: String| FileError::content(path, None, rule);
-    let layout = Layout::of(bytes).ok_or_else(|| fault("is no OUTPUT4 file".to_owned()))?;
+    let layout = WordLayout::of(bytes).ok_or_else(|| fault("is no OUTPUT4 file".to_owned()))?;
     let mut records = Records {
         layout,
         bytes,
@@ -84,13 +84,13 @@ pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedM
     Ok(found)
 }
 
-fn header(layout: Layout, record: &[u8]) -> Result<Header, String> {
+fn header(layout: WordLayout, record: &[u8]) -> Result<MatrixHeader, String> {
     let word = layout.word;
     if record.len() != 6 * word {
         return Err("must be the header of a matrix".to_owned());
     }
     let sizes = [0, 1, 2, 3].map(|at| layout.whole(&record[at * word..(at + 1) * word]));
-    Header::new(sizes, &String::from_utf8_lossy(&record[4 * word..]))
+    MatrixHeader::new(sizes, &String::from_utf8_lossy(&record[4 * word..]))
 }
 
 /// Columns until the one behind the last.
@@ -108,7 +108,7 @@ fn matrix(
             ))
         })?;
         let number = records.number;
-        let column = Column::new(records.layout, record).map_err(fault)?;
+        let column = BinaryColumn::new(records.layout, record).map_err(fault)?;
         let at = |rule| fault(format!("record {number}: {rule}"));
         if !growing.begin(column.number).map_err(at)? {
             return growing.finish();
@@ -123,7 +123,7 @@ fn matrix(
 
 /// Records between their lengths.
 struct Records<'b> {
-    layout: Layout,
+    layout: WordLayout,
     bytes: &'b [u8],
     /// 1-based number of the record that was given last.
     number: usize,
@@ -158,16 +158,16 @@ impl<'b> Records<'b> {
 }
 
 /// A column: its number, first row (0: in strings), number of words, words.
-struct Column<'b> {
-    layout: Layout,
+struct BinaryColumn<'b> {
+    layout: WordLayout,
     number: i64,
     row: i64,
     stated: i64,
     words: &'b [u8],
 }
 
-impl<'b> Column<'b> {
-    fn new(layout: Layout, record: &'b [u8]) -> Result<Self, String> {
+impl<'b> BinaryColumn<'b> {
+    fn new(layout: WordLayout, record: &'b [u8]) -> Result<Self, String> {
         let word = layout.word;
         if record.len() < 3 * word {
             return Err("a column must have its number, first row and words".to_owned());

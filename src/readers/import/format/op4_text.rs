@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::lines::{Lines, number, whole};
 use super::super::matrix::ImportedMatrix;
-use super::op4::{Growing, Header, MOST_MATRICES};
+use super::op4::{Growing, MOST_MATRICES, MatrixHeader};
 use crate::file::{FileError, significant_digits};
 
 /// Width of a whole number.
@@ -29,7 +29,7 @@ pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMat
         }
         let stated = header(line).map_err(|rule| lines.fault(rule))?;
         let (header, format) = stated;
-        let mut numbers = Numbers {
+        let mut numbers = TextNumbers {
             lines: &mut lines,
             format,
         };
@@ -44,7 +44,7 @@ pub(in crate::import) fn is_header(line: &str) -> bool {
 }
 
 /// `4I8, A8`, and the format of the numbers, such as `1P,3E23.16`.
-fn header(line: &str) -> Result<(Header, [usize; 2]), String> {
+fn header(line: &str) -> Result<(MatrixHeader, [usize; 2]), String> {
     let rule = "must be a header: columns, rows, form, type, name";
     if !line.is_ascii() || line.len() <= 4 * WHOLE {
         return Err(rule.to_owned());
@@ -56,7 +56,7 @@ fn header(line: &str) -> Result<(Header, [usize; 2]), String> {
     }
     let rest = &line[4 * WHOLE..];
     let (name, format) = rest.split_at(WHOLE.min(rest.len()));
-    Ok((Header::new(sizes, name)?, number_format(format)?))
+    Ok((MatrixHeader::new(sizes, name)?, number_format(format)?))
 }
 
 /// Numbers of a line, and their width.
@@ -76,13 +76,17 @@ fn number_format(text: &str) -> Result<[usize; 2], String> {
 }
 
 /// The lines of a matrix, and how numbers stand in them.
-struct Numbers<'l, 't> {
+struct TextNumbers<'l, 't> {
     lines: &'l mut Lines<'t>,
     format: [usize; 2],
 }
 
-impl Numbers<'_, '_> {
-    fn matrix(&mut self, path: &Path, header: Header) -> Result<Option<ImportedMatrix>, FileError> {
+impl TextNumbers<'_, '_> {
+    fn matrix(
+        &mut self,
+        path: &Path,
+        header: MatrixHeader,
+    ) -> Result<Option<ImportedMatrix>, FileError> {
         let mut growing = Growing::new(path, header);
         loop {
             let [column, row, words] = self.whole_numbers("a column")?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::super::channels::Channels;
 use super::super::quantity::{Quantity, written_unit as unit};
 use super::super::signals::TestConditions;
-use super::super::table::{self, Expected, Label, Table};
+use super::super::table::{self, Expected, Label, NumberTable};
 use crate::file::{FileError, shortest_decimal};
 
 /// What a table of hysteresis tests holds.
@@ -65,7 +65,7 @@ pub(in crate::record) fn read(path: &Path, text: &str) -> Result<Vec<Channels>, 
 /// # Errors
 /// Row and rule.
 fn test(
-    table: &Table,
+    table: &NumberTable,
     rows: std::ops::Range<usize>,
     mut conditions: TestConditions,
 ) -> Result<Channels, (usize, String)> {

@@ -60,7 +60,7 @@ struct Stored {
 
 /// What has been read.
 #[derive(Debug, Default)]
-struct Reader {
+struct SegmentReader {
     objects: Vec<Object>,
     by_path: BTreeMap<Vec<String>, usize>,
     /// Objects with samples in the segment, in their order.
@@ -73,7 +73,7 @@ struct Reader {
 /// # Errors
 /// The rule that the file breaks.
 pub(super) fn read(bytes: &[u8], wanted: fn(&str) -> bool) -> Result<Vec<Object>, String> {
-    let mut reader = Reader::default();
+    let mut reader = SegmentReader::default();
     let mut rest = Bytes { rest: bytes };
     let mut segments = 0;
     while !rest.rest.is_empty() {
@@ -87,7 +87,7 @@ pub(super) fn read(bytes: &[u8], wanted: fn(&str) -> bool) -> Result<Vec<Object>
     Ok(reader.objects)
 }
 
-impl Reader {
+impl SegmentReader {
     fn segment(&mut self, rest: &mut Bytes<'_>, wanted: fn(&str) -> bool) -> Result<(), String> {
         if rest.take(4).ok() != Some(TAG) {
             return Err("must begin with TDSm".to_owned());

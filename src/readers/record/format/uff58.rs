@@ -10,7 +10,7 @@ use std::path::Path;
 use super::super::channels::{Channels, MOST_NUMBERS, MOST_TESTS};
 use super::super::quantity::{Quantity, Unit};
 use super::super::signals::TestConditions;
-use super::uff_lines::Lines;
+use super::uff_lines::UffLines;
 use crate::file::binary::{Kind, number};
 use crate::file::{FileError, finite_number, scaled_number};
 
@@ -23,7 +23,7 @@ const AXIS: [std::ops::Range<usize>; 2] = [26..46, 47..67];
 
 /// Whether the bytes begin as such a file.
 pub(in crate::record) fn begins(bytes: &[u8]) -> bool {
-    let mut lines = Lines::new(bytes);
+    let mut lines = UffLines::new(bytes);
     let first = lines.find(|line| !line.trim().is_empty());
     first.is_some_and(|line| line.trim() == MARK)
 }
@@ -33,12 +33,12 @@ pub(in crate::record) fn begins(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`FileError`] with the line and the rule that it breaks.
 pub(in crate::record) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Channels>, FileError> {
-    let mut lines = Lines::new(bytes);
+    let mut lines = UffLines::new(bytes);
     let tests = tests(&mut lines);
     tests.map_err(|rule| FileError::content(path, Some(lines.number), rule))
 }
 
-fn tests(lines: &mut Lines<'_>) -> Result<Vec<Channels>, String> {
+fn tests(lines: &mut UffLines<'_>) -> Result<Vec<Channels>, String> {
     let mut tests = Tests::default();
     let mut left = MOST_NUMBERS;
     while let Some(line) = lines.next() {
@@ -174,7 +174,7 @@ struct Head {
 }
 
 impl Head {
-    fn read(lines: &mut Lines<'_>) -> Result<Self, String> {
+    fn read(lines: &mut UffLines<'_>) -> Result<Self, String> {
         let mut identity = Vec::new();
         for _ in 0..5 {
             identity.push(lines.need()?.trim().to_owned());
@@ -261,7 +261,7 @@ impl Head {
 }
 
 impl Axis {
-    fn read(lines: &mut Lines<'_>) -> Result<Self, String> {
+    fn read(lines: &mut UffLines<'_>) -> Result<Self, String> {
         let line = lines.need()?;
         let [label, unit] = AXIS.map(|columns| {
             let all = line.chars().skip(columns.start);
@@ -279,7 +279,7 @@ impl Axis {
 
 /// Times and values of a dataset in text.
 fn text_numbers(
-    lines: &mut Lines<'_>,
+    lines: &mut UffLines<'_>,
     head: &Head,
     [time, unit]: [Unit; 2],
 ) -> Result<[Vec<f64>; 2], String> {
@@ -343,7 +343,7 @@ impl Binary {
     /// Each point has a value, before it where spacing is uneven an abscissa: in single precision, or as the value.
     fn numbers(
         &self,
-        lines: &mut Lines<'_>,
+        lines: &mut UffLines<'_>,
         head: &Head,
         [time, unit]: [Unit; 2],
     ) -> Result<[Vec<f64>; 2], String> {

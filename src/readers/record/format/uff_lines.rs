@@ -5,13 +5,13 @@ use std::borrow::Cow;
 
 /// Lines with their numbers. Bytes that are no UTF-8 are Latin-1, where µ is one byte.
 #[derive(Debug, Clone)]
-pub(super) struct Lines<'b> {
+pub(super) struct UffLines<'b> {
     rest: &'b [u8],
     /// 1-based number of the line that was given last.
     pub(super) number: u64,
 }
 
-impl<'b> Lines<'b> {
+impl<'b> UffLines<'b> {
     pub(super) fn new(bytes: &'b [u8]) -> Self {
         Self {
             rest: bytes,
@@ -37,7 +37,7 @@ impl<'b> Lines<'b> {
     }
 }
 
-impl<'b> Iterator for Lines<'b> {
+impl<'b> Iterator for UffLines<'b> {
     type Item = Cow<'b, str>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -1,6 +1,6 @@
 //! Campbell and SAFE diagram, and the amplitude over the nodal diameter.
 
-use super::{View, excitation_hz};
+use super::{DiskView, excitation_hz};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
 use crate::page::display::{hertz, significant};
@@ -15,7 +15,7 @@ const GAP: f64 = 0.003;
 /// Of a nodal diameter, the number of rigid-body modes and the flexible linear frequencies (Hz), of one kind.
 type FrequenciesOf = fn(&NodalRecord) -> (usize, &Vec<f64>);
 
-pub(super) fn section(view: &View) -> Section {
+pub(super) fn section(view: &DiskView) -> Section {
     let mut keys: Vec<Key> = (0..view.disk.levels.len())
         .map(|i| Key::level(i, view.level_name(i)))
         .collect();
@@ -45,7 +45,7 @@ pub(super) fn section(view: &View) -> Section {
     }
 }
 
-fn campbell(view: &View) -> Figure {
+fn campbell(view: &DiskView) -> Figure {
     let [low, high] = view.window;
     let crossings = view.bars().filter_map(|(order, _, level)| {
         let [_, middle, _] = level.frequency_hz?;
@@ -101,7 +101,7 @@ fn campbell(view: &View) -> Figure {
 }
 
 /// Lowest and highest frequency (Hz) of the bars of all orders that excite a nodal diameter.
-fn family_range(view: &View, nodal_diameter: usize) -> Option<[f64; 2]> {
+fn family_range(view: &DiskView, nodal_diameter: usize) -> Option<[f64; 2]> {
     let of_family = |order: &&OrderSummary| order.nodal_diameter == nodal_diameter;
     let orders = view.disk.orders.iter().filter(of_family);
     hull(orders.filter_map(order_range).flatten())
@@ -115,7 +115,7 @@ fn order_range(order: &OrderSummary) -> Option<[f64; 2]> {
 
 /// The speeds (1/min) at which the band of each order is drawn: up to halfway to the crossings of its neighbours, with a gap
 /// between them, and within `ends`.
-fn stretches(view: &View, [slow, fast]: [f64; 2]) -> Vec<[f64; 2]> {
+fn stretches(view: &DiskView, [slow, fast]: [f64; 2]) -> Vec<[f64; 2]> {
     let orders = &view.disk.orders;
     let crossing = |order: &OrderSummary| {
         let [lower, upper] = order_range(order)?;
@@ -154,7 +154,7 @@ fn stretches(view: &View, [slow, fast]: [f64; 2]) -> Vec<[f64; 2]> {
     (0..orders.len()).map(of).collect()
 }
 
-fn safe(view: &View) -> Figure {
+fn safe(view: &DiskView) -> Figure {
     let [low, high] = view.window;
     let y = Axis::linear("Frequency (Hz)", low, high);
     let mut panel = Panel::new(Size::Large, "SAFE diagram", view.nodal_axis(), y);
@@ -190,7 +190,7 @@ fn safe(view: &View) -> Figure {
 
 /// Ranges of engine orders, as (order, nodal diameter) at both ends, in which the nodal diameter goes through all its values once: up for
 /// orders from 0 to N/2, down to N, up again. As many as the orders of the runs need, and two at least.
-fn folded_orders(view: &View) -> Vec<[(f64, f64); 2]> {
+fn folded_orders(view: &DiskView) -> Vec<[(f64, f64); 2]> {
     let half = view.disk.sectors as f64 / 2.0;
     let orders = view.disk.orders.iter().map(|o| f64::from(o.engine_order));
     let highest = orders.fold(2.0 * half, f64::max);
@@ -208,7 +208,7 @@ fn folded_orders(view: &View) -> Vec<[(f64, f64); 2]> {
 
 /// The linear frequencies in sight over the nodal diameter: free and stuck. Families are counted from the lowest mode, so that the
 /// rigid-body modes of one nodal diameter alone shift none. A family has gaps where the list of a nodal diameter does not reach it.
-fn families(view: &View, panel: &mut Panel) {
+fn families(view: &DiskView, panel: &mut Panel) {
     let diameters = &view.disk.nodal_diameters;
     let [low, high] = view.window;
     let shown: [(&str, FrequenciesOf); 2] = [
@@ -236,7 +236,7 @@ fn families(view: &View, panel: &mut Panel) {
     }
 }
 
-fn amplitudes(view: &View) -> Figure {
+fn amplitudes(view: &DiskView) -> Figure {
     let per_metre = view.unit.per_metre;
     let ends = view.bars().filter_map(|(.., level)| level.amplitude_m);
     let largest = ends

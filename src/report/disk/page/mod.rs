@@ -21,7 +21,7 @@ use crate::statistics::hull;
 /// Space between the bars of two levels at one nodal diameter.
 const BESIDE: f64 = 0.12;
 /// A disk as the page shows it.
-struct View<'a> {
+struct DiskView<'a> {
     disk: &'a DiskSummary,
     /// Unit of the amplitudes.
     unit: LengthUnit,
@@ -37,7 +37,7 @@ pub(super) fn render(disk: &DiskSummary, runs: &[StoredRun]) -> Result<String, R
     let ends = bars.filter_map(|level| level.frequency_hz);
     let [low, high] = hull(ends.flat_map(|[low, _, high]| [low, high])).unwrap_or([0.0, 1.0]);
     let space = (high - low).max(2e-3 * high);
-    let view = View {
+    let view = DiskView {
         disk,
         unit: length_unit(&inputs),
         style: figure_style(disk.levels.len()),
@@ -56,7 +56,7 @@ pub(super) fn render(disk: &DiskSummary, runs: &[StoredRun]) -> Result<String, R
     page(&title, disk.levels.len(), &sections)
 }
 
-impl View<'_> {
+impl DiskView<'_> {
     fn level_name(&self, i: usize) -> String {
         level_name(self.disk.levels[i], &self.disk.level_unit)
     }

@@ -1,11 +1,11 @@
 //! The numbers of each engine order at each level.
 
-use super::{View, excitation_hz, whole};
+use super::{DiskView, excitation_hz, whole};
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, hertz, percent, significant};
 use crate::report::disk::summary::{OrderLevel, OrderSummary};
 
-pub(super) fn section(view: &View) -> Section {
+pub(super) fn section(view: &DiskView) -> Section {
     let unit = view.unit.symbol;
     let amplitude = format!("Amplitude ({unit})");
     let mut table = Table::of(
@@ -41,7 +41,7 @@ pub(super) fn section(view: &View) -> Section {
     }
 }
 
-fn number_row(view: &View, order: &OrderSummary, i: usize, level: &OrderLevel) -> Vec<Cell> {
+fn number_row(view: &DiskView, order: &OrderSummary, i: usize, level: &OrderLevel) -> Vec<Cell> {
     let bar = |bar: &Option<[f64; 3]>, show: &dyn Fn(f64) -> String| match bar {
         None => Cell::number(DASH, None).with_raw([None, None]),
         Some([low, middle, high]) => {

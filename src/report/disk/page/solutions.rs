@@ -1,10 +1,10 @@
 //! Whether the structure stays in the vibrations of each engine order, and whether there are others: stability and several answers.
 
-use super::{View, whole};
+use super::{DiskView, whole};
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, significant};
 
-pub(super) fn section(view: &View) -> Section {
+pub(super) fn section(view: &DiskView) -> Section {
     let mut table = Table::of(
         "Stability and several answers",
         "disk-solutions",

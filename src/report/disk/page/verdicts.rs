@@ -1,6 +1,6 @@
 //! What the criteria say of each engine order.
 
-use super::{View, whole};
+use super::{DiskView, whole};
 use crate::page::block::{Block, Cell, Section, Table, Verdict};
 use crate::report::disk::summary::OrderSummary;
 use crate::report::verdict::criterion_result::CriterionResult;
@@ -18,7 +18,7 @@ fn conditions(orders: &[OrderSummary]) -> String {
     each.join(" ")
 }
 
-pub(super) fn section(view: &View) -> Section {
+pub(super) fn section(view: &DiskView) -> Section {
     let orders = &view.disk.orders;
     let mut blocks = Vec::new();
     match orders.iter().any(|order| !order.criteria.is_empty()) {

@@ -140,20 +140,20 @@ fn interval_cell(interval: Interval, show: impl Fn(f64) -> String) -> Cell {
 }
 
 /// Number of samples, estimate and its interval.
-struct Point {
+struct RunningPoint {
     n: f64,
     estimate: f64,
     interval: Option<[f64; 2]>,
 }
 
-fn scaled(prefixes: &[Prefix<Option<QuantileEstimate>>], scale: f64) -> Vec<Point> {
+fn scaled(prefixes: &[Prefix<Option<QuantileEstimate>>], scale: f64) -> Vec<RunningPoint> {
     let point = |prefix: &Prefix<Option<QuantileEstimate>>| {
         let quantile = prefix.value?;
         let sides = (
             quantile.interval.lower.value(),
             quantile.interval.upper.value(),
         );
-        Some(Point {
+        Some(RunningPoint {
             n: prefix.n as f64,
             estimate: quantile.estimate * scale,
             interval: match sides {
@@ -170,9 +170,9 @@ fn figure(
     title: &str,
     label: &str,
     file: &str,
-    points: &dyn Fn(usize) -> Vec<Point>,
+    points: &dyn Fn(usize) -> Vec<RunningPoint>,
 ) -> Figure {
-    let levels: Vec<Vec<Point>> = (0..view.n_levels()).map(points).collect();
+    let levels: Vec<Vec<RunningPoint>> = (0..view.n_levels()).map(points).collect();
     let all = || levels.iter().flatten();
     let ends = all().filter_map(|p| p.interval).flatten();
     let y = Axis::around(label, ends.chain(all().map(|p| p.estimate)));

@@ -3,7 +3,7 @@
 use crate::page::axis::Axis;
 use crate::page::block::Figure;
 use crate::page::figure::{Panel, Size};
-use crate::report::asked::requirement::{Criterion, Quantity};
+use crate::report::asked::requirement::{Criterion, RequiredQuantity};
 use crate::report::page::statistic_cell::limits;
 use crate::report::page::view::View;
 use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};
@@ -71,11 +71,11 @@ pub(super) fn level_of(view: &View, result: &LevelResult) -> (usize, String) {
 }
 
 /// Axis label of what a criterion judges.
-pub(super) fn label(quantity: Quantity) -> &'static str {
+pub(super) fn label(quantity: RequiredQuantity) -> &'static str {
     match quantity {
-        Quantity::FrequencyMarginPercent => "Frequency margin (%)",
-        Quantity::AmplitudeUm => "Amplitude (µm)",
-        Quantity::ReserveFactor => "Reserve factor",
-        Quantity::ProbabilityOfExceedance => "Probability of a reserve factor below 1",
+        RequiredQuantity::FrequencyMarginPercent => "Frequency margin (%)",
+        RequiredQuantity::AmplitudeUm => "Amplitude (µm)",
+        RequiredQuantity::ReserveFactor => "Reserve factor",
+        RequiredQuantity::ProbabilityOfExceedance => "Probability of a reserve factor below 1",
     }
 }

@@ -5,7 +5,7 @@ use crate::ensemble::outcome::Maximum;
 use crate::hb::Status;
 use crate::page::block::{Block, Cell, Section, Table, Verdict};
 use crate::page::display::{DASH, count, duration, hertz, percent, significant, stated_percent};
-use crate::report::asked::requirement::{Criterion, Quantity};
+use crate::report::asked::requirement::{Criterion, RequiredQuantity};
 use crate::report::assessment::pooling;
 use crate::report::numbers::margins::smallest_margin;
 use crate::report::numbers::peaks::usable_peak;
@@ -123,7 +123,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
     let outer =
         (level.outer).map_or_else(String::new, |outer| format!("worst outer point: {outer}"));
     let share = match criterion.quantity {
-        Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
+        RequiredQuantity::ProbabilityOfExceedance => "of the probability".to_owned(),
         _ => format!(
             "for {} of the assumed prior",
             stated_percent(criterion.share())
@@ -162,10 +162,10 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
 fn requirement(criterion: &Criterion) -> String {
     let limit = stated_limit(criterion);
     match criterion.quantity {
-        Quantity::FrequencyMarginPercent => format!("frequency margin ≥ {limit}"),
-        Quantity::AmplitudeUm => format!("amplitude ≤ {limit}"),
-        Quantity::ReserveFactor => format!("reserve factor ≥ {limit}"),
-        Quantity::ProbabilityOfExceedance => format!("P(reserve factor < 1) ≤ {limit}"),
+        RequiredQuantity::FrequencyMarginPercent => format!("frequency margin ≥ {limit}"),
+        RequiredQuantity::AmplitudeUm => format!("amplitude ≤ {limit}"),
+        RequiredQuantity::ReserveFactor => format!("reserve factor ≥ {limit}"),
+        RequiredQuantity::ProbabilityOfExceedance => format!("P(reserve factor < 1) ≤ {limit}"),
     }
 }
 

@@ -9,14 +9,14 @@ use std::path::{Path, PathBuf};
 
 /// Three tables of samples: samples, curves, anchors.
 #[derive(Debug, Clone)]
-pub struct Source {
+pub struct MergedSource {
     /// The tables.
     pub paths: [PathBuf; 3],
     /// Index of its first sample.
     pub first: u64,
 }
 
-impl Source {
+impl MergedSource {
     /// Of a part.
     #[must_use]
     pub fn of(part: &StoredPart) -> Self {
@@ -35,14 +35,14 @@ impl Source {
 pub struct Merged<'d> {
     design: &'d Design,
     /// Sources that are still closed, the one with the lowest first sample last.
-    closed: Vec<Source>,
+    closed: Vec<MergedSource>,
     open: Vec<Box<SolvedCursor<'d>>>,
 }
 
 impl<'d> Merged<'d> {
     /// The samples of `sources`, whose inputs are of `design`.
     #[must_use]
-    pub fn new(mut sources: Vec<Source>, design: &'d Design) -> Self {
+    pub fn new(mut sources: Vec<MergedSource>, design: &'d Design) -> Self {
         sources.sort_by(|a, b| (b.first, &b.paths).cmp(&(a.first, &a.paths)));
         Self {
             design,

@@ -27,5 +27,5 @@ pub use claims::{Claim, Claims};
 pub use collector::{Collector, FLUSH_EVERY, PartWriter};
 pub use folder::PartFolder;
 pub use identity::{Difference, RunIdentity, more_samples, more_samples_of_any_order};
-pub use merged::{Merged, Source};
+pub use merged::{Merged, MergedSource};
 pub use part::{PartHead, StoredPart};

@@ -11,9 +11,9 @@
 //!
 //! Transition rules: Petrov and Ewins, J. Turbomach. 125, 2003.
 
-use super::play::{LaneScratch, Place, Play, Source, phase};
+use super::play::{LaneScratch, LaneState, Play, Source, phase};
 use crate::aft::batch::Want;
-use crate::aft::forces::{AftForces, Block, Periodicity, StateCounts, StateSummary};
+use crate::aft::forces::{AftForces, Periodicity, StateCounts, StateSummary, TangentBlock};
 use crate::aft::lanes::masks::{
     add_masked_gram, add_masked_product, add_scaled, clear, subtract_product, sums_of_run,
 };
@@ -50,7 +50,12 @@ impl<T: Real> LocatedBox<T> {
 
     /// Forces, summary and, if wanted, derivatives of one state; to be called after `mark`.
     #[inline(always)]
-    pub(in crate::aft) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
+    pub(in crate::aft) fn evaluate(
+        &mut self,
+        at: LaneState<T>,
+        want: Want,
+        out: &mut AftForces<T>,
+    ) {
         let (plan, m) = (at.plan, at.plan.m);
         let p = at.work.parameters.of(at.lane);
         let scratch = &mut self.lane;
@@ -66,7 +71,8 @@ impl<T: Real> LocatedBox<T> {
         let size = m * m;
         let tangents = want == Want::ForcesAndTangents;
         if tangents {
-            out.blocks.resize(offset + Block::COUNT * size, T::ZERO);
+            out.blocks
+                .resize(offset + TangentBlock::COUNT * size, T::ZERO);
         }
         let mut plays = [Play {
             stuck: true,
@@ -82,7 +88,7 @@ impl<T: Real> LocatedBox<T> {
             }
             scratch.store(at, d, &mut out.forces);
         }
-        let nn = tangents.then(|| &mut out.blocks[offset + Block::NN as usize * size..]);
+        let nn = tangents.then(|| &mut out.blocks[offset + TangentBlock::NN as usize * size..]);
         scratch.normal(plan, &p, nn);
         scratch.store(at, 2, &mut out.forces);
         let summary = scratch.summary(at, plays);
@@ -107,9 +113,9 @@ impl<T: Real> LaneScratch<T> {
         let width = 2 * plan.n_mask_orders();
         let size = plan.m * plan.m;
         let (tt, tn) = if d == 0 {
-            (Block::T1T1, Block::T1N)
+            (TangentBlock::T1T1, TangentBlock::T1N)
         } else {
-            (Block::T2T2, Block::T2N)
+            (TangentBlock::T2T2, TangentBlock::T2N)
         };
         clear(&mut self.stick, width);
         clear(&mut self.slip, width);
@@ -221,7 +227,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     #[inline(always)]
-    fn store(&self, at: Place<T>, c: usize, forces: &mut [T]) {
+    fn store(&self, at: LaneState<T>, c: usize, forces: &mut [T]) {
         let column = forces[at.state..].iter_mut().step_by(at.batch.n_states);
         let column = column.skip(c * at.plan.m);
         for (target, &force) in column.zip(&self.force) {
@@ -231,7 +237,7 @@ impl<T: Real> LaneScratch<T> {
 
     /// Counts the time points in each motion.
     #[inline(always)]
-    fn summary(&self, at: Place<T>, plays: [Play<T>; 2]) -> StateSummary {
+    fn summary(&self, at: LaneState<T>, plays: [Play<T>; 2]) -> StateSummary {
         let n = at.plan.n_time();
         let before = |theta: T| first_sample_from(theta.to_f64(), n as f64);
         let (mut slip, mut separated) = (0, 0);

@@ -90,7 +90,7 @@ pub(super) struct Play<T> {
 
 /// One state of a group.
 #[derive(Clone, Copy)]
-pub(in crate::aft) struct Place<'a, T> {
+pub(in crate::aft) struct LaneState<'a, T> {
     pub plan: &'a AftPlan<T>,
     pub batch: &'a AftBatch<T>,
     pub work: &'a Workspace<T>,
@@ -98,7 +98,7 @@ pub(in crate::aft) struct Place<'a, T> {
     pub state: usize,
 }
 
-impl<'a, T> Place<'a, T> {
+impl<'a, T> LaneState<'a, T> {
     /// The state of a lane of the group that starts at `first`.
     pub(in crate::aft) fn new(
         plan: &'a AftPlan<T>,
@@ -129,7 +129,7 @@ impl<T: Real> LaneScratch<T> {
     #[inline(always)]
     pub(super) fn play(
         &mut self,
-        at: Place<T>,
+        at: LaneState<T>,
         intervals: &Intervals<T>,
         p: &ContactParameters<T>,
         d: usize,
@@ -228,7 +228,7 @@ impl<T: Real> LaneScratch<T> {
     #[inline(always)]
     fn slip_runs(
         &mut self,
-        at: Place<T>,
+        at: LaneState<T>,
         intervals: &Intervals<T>,
         d: usize,
         k: usize,

@@ -5,7 +5,7 @@
 //! Nt/64 words of bits to find the segments. Derived from the transition rules of Petrov and Ewins
 //! (J. Turbomach. 125, 2003).
 
-use crate::aft::forces::Block;
+use crate::aft::forces::TangentBlock;
 use crate::aft::lanes::masks::{
     MaskScratch, View, add_masked_gram, add_scaled, clear, set, subtract_product,
 };
@@ -36,7 +36,7 @@ pub(in crate::aft) fn box_tangent<T: Real>(
     out: &mut [T],
 ) {
     let size = view.plan.m * view.plan.m;
-    assert_eq!(out.len(), Block::COUNT * size, "one tangent");
+    assert_eq!(out.len(), TangentBlock::COUNT * size, "one tangent");
     let (t1t1, rest) = out.split_at_mut(size);
     let (t2t2, rest) = rest[2 * size..].split_at_mut(size);
     let (t1n, rest) = rest.split_at_mut(size);

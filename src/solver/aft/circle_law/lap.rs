@@ -9,7 +9,7 @@ use crate::contact::Real;
 
 /// What a closed contact does.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Motion<T> {
+pub(super) enum ClosedMotion<T> {
     /// Stick: the slider k_t w (N) rests.
     Stick([T; 2]),
     /// Slip, and the direction of the traction.

@@ -1,6 +1,6 @@
 //! One lap: from sample to sample, and from event to event between them.
 
-use super::lap::{LapMarch, Motion};
+use super::lap::{ClosedMotion, LapMarch};
 use super::node::{At, Node};
 use super::sensitivity::{Basis, SignalWeights, add_signals, set_rows};
 use super::slip::HalfAngle;
@@ -14,9 +14,9 @@ const MOST_EVENTS: usize = 16;
 /// What is at the end of a step between two nodes.
 enum Step<T> {
     /// An event before the second node, and the motion after it.
-    Event(Node<T>, Motion<T>),
+    Event(Node<T>, ClosedMotion<T>),
     /// The second node, and the motion there.
-    Whole(Motion<T>),
+    Whole(ClosedMotion<T>),
 }
 
 impl<S: Simd, T: Real> LapMarch<'_, S, T> {
@@ -38,10 +38,10 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             self.lap.longest_slip = T::from_f64(f64::INFINITY);
             let contact = n - self.course.work.separated[self.course.lane].to_f64() as usize;
             (self.lap.moved, self.lap.slip) = (true, contact as u32);
-            return self.rest(Motion::Stick(slider), true);
+            return self.rest(ClosedMotion::Stick(slider), true);
         }
         let mut here = self.course.sample(0);
-        let mut motion = Motion::Stick(slider);
+        let mut motion = ClosedMotion::Stick(slider);
         for (k, point) in points.iter().enumerate() {
             let end = points.get(k + 1).map(|p| p.theta);
             if point.open {
@@ -70,9 +70,9 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     fn contact(
         &mut self,
         here: Node<T>,
-        mut motion: Motion<T>,
+        mut motion: ClosedMotion<T>,
         end: Option<T>,
-    ) -> (Node<T>, Motion<T>) {
+    ) -> (Node<T>, ClosedMotion<T>) {
         let course = self.course;
         let n = course.plan.n_time();
         // Samples are not copied: most nodes are samples.
@@ -94,8 +94,8 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
                 _ => &course.nodes[i],
             };
             let step = match motion {
-                Motion::Stick(slider) => self.stick_step([here, next], slider, i),
-                Motion::Slip(half) => {
+                ClosedMotion::Stick(slider) => self.stick_step([here, next], slider, i),
+                ClosedMotion::Slip(half) => {
                     self.slip_step([here, next], half, inside, events < MOST_EVENTS)
                 }
             };
@@ -134,7 +134,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
                 let motion = self.start_slip(&start, slider);
                 Step::Event(start, motion)
             }
-            None => Step::Whole(Motion::Stick(slider)),
+            None => Step::Whole(ClosedMotion::Stick(slider)),
         }
     }
 
@@ -160,19 +160,19 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
         if !inside {
             self.open(next, after, turning);
         }
-        Step::Whole(Motion::Slip(after))
+        Step::Whole(ClosedMotion::Slip(after))
     }
 
     /// Traction of sample i, which is in contact.
     #[inline(always)]
-    fn keep(&mut self, i: usize, node: &Node<T>, motion: Motion<T>) {
+    fn keep(&mut self, i: usize, node: &Node<T>, motion: ClosedMotion<T>) {
         match motion {
-            Motion::Stick(slider) => {
+            ClosedMotion::Stick(slider) => {
                 let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
                 self.lap.tractions[i] = t;
                 self.lap.stick_from = self.lap.stick_from.or(Some(i));
             }
-            Motion::Slip(half) => {
+            ClosedMotion::Slip(half) => {
                 let e = half.e;
                 self.lap.tractions[i] = e.map(|e| node.limit * e);
                 self.lap.slip += 1;
@@ -196,11 +196,11 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
 
     /// Traction of node k between samples.
     #[inline(never)]
-    fn keep_between(&mut self, k: usize, node: &Node<T>, motion: Motion<T>) {
+    fn keep_between(&mut self, k: usize, node: &Node<T>, motion: ClosedMotion<T>) {
         let weight = self.course.between.map_or(T::ZERO, |b| b.weights[k]);
         let traction = match motion {
-            Motion::Stick(slider) => [0, 1].map(|d| node.path[d] - slider[d]),
-            Motion::Slip(half) => half.e.map(|e| node.limit * e),
+            ClosedMotion::Stick(slider) => [0, 1].map(|d| node.path[d] - slider[d]),
+            ClosedMotion::Slip(half) => half.e.map(|e| node.limit * e),
         };
         self.lap.between.push(traction.map(|t| weight * t));
         self.weigh(node, motion, weight);
@@ -208,7 +208,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
 
     /// Adds the derivatives of the traction at a node, times `weight`.
     #[inline(never)]
-    fn weigh(&mut self, node: &Node<T>, motion: Motion<T>, weight: T) {
+    fn weigh(&mut self, node: &Node<T>, motion: ClosedMotion<T>, weight: T) {
         let (base, course) = (self.base(), self.course);
         let Some(blocks) = &mut self.target else {
             return;
@@ -218,12 +218,12 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             let row = &mut blocks.traction[d];
             let mut weights = SignalWeights::NONE;
             match motion {
-                Motion::Stick(_) => {
+                ClosedMotion::Stick(_) => {
                     let slider = &self.lap.rows.slider[d];
                     set_rows(row, [slider, slider], |_, z, _| -z);
                     weights.path[d] = T::ONE;
                 }
-                Motion::Slip(half) => {
+                ClosedMotion::Slip(half) => {
                     let turned = node.limit * normal(half.e)[d];
                     let angle = &self.lap.rows.angle;
                     set_rows(row, [angle, angle], |_, angle, _| turned * angle);

@@ -15,8 +15,8 @@ use super::steady_cycle::{
     Hold, LapEnd, Next, Origin, Search, classify, is_singular, solve_identity_minus,
 };
 use crate::aft::batch::Want;
-use crate::aft::box_law::play::{LaneScratch, Place};
-use crate::aft::forces::{AftForces, Block, Periodicity, StateCounts, StateSummary};
+use crate::aft::box_law::play::{LaneScratch, LaneState};
+use crate::aft::forces::{AftForces, Periodicity, StateCounts, StateSummary, TangentBlock};
 use crate::aft::lanes::lane::{LANES, Lane};
 use crate::aft::lanes::workspace::Workspace;
 use crate::aft::plan::{AftPlan, CHUNK};
@@ -47,7 +47,7 @@ pub(in crate::aft) struct LocatedCircle<T> {
 #[derive(Debug, Clone, Copy)]
 struct Cycle<T> {
     want: Want,
-    stage: Stage<T>,
+    stage: LapPurpose<T>,
     /// Slider k_t w (N) at the start of the next lap.
     next: [T; 2],
     laps: u32,
@@ -60,7 +60,7 @@ struct Cycle<T> {
 
 /// Purpose of a lap.
 #[derive(Debug, Clone, Copy)]
-enum Stage<T> {
+enum LapPurpose<T> {
     First,
     /// A lap of a given number of laps; its number.
     Fixed(u32),
@@ -112,7 +112,7 @@ impl<T: Real> LocatedCircle<T> {
     pub(in crate::aft) fn evaluate<S: Simd>(
         &mut self,
         simd: S,
-        at: Place<T>,
+        at: LaneState<T>,
         want: Want,
         out: &mut AftForces<T>,
     ) {
@@ -144,7 +144,8 @@ impl<T: Real> LocatedCircle<T> {
         let tangents = want == Want::ForcesAndTangents;
         let offset = out.blocks.len();
         if tangents {
-            out.blocks.resize(offset + Block::COUNT * m * m, T::ZERO);
+            out.blocks
+                .resize(offset + TangentBlock::COUNT * m * m, T::ZERO);
         }
         let (lap, blocks) = (&mut self.lap, &mut self.blocks);
         let cycle = Cycle::found(simd, course, lap, blocks, want);
@@ -163,7 +164,7 @@ impl<T: Real> LocatedCircle<T> {
             out.add_tangent(offset, cycle.stuck);
         }
         let blocks = (tangents && !cycle.stuck)
-            .then(|| &mut out.blocks[offset + Block::NN as usize * m * m..]);
+            .then(|| &mut out.blocks[offset + TangentBlock::NN as usize * m * m..]);
         self.lane.normal(plan, &p, blocks);
         forces[2 * m..].copy_from_slice(&self.lane.force);
     }
@@ -244,7 +245,7 @@ impl<T: Real> Cycle<T> {
         want: Want,
     ) -> Self {
         let mut cycle = Self::new(course.p, want);
-        while !matches!(cycle.stage, Stage::Done) {
+        while !matches!(cycle.stage, LapPurpose::Done) {
             if cycle.starts_rows() {
                 let full = cycle.carries_rows();
                 lap.rows.start(course.plan, full);
@@ -270,7 +271,7 @@ impl<T: Real> Cycle<T> {
     fn new(p: &ContactParameters<T>, want: Want) -> Self {
         Self {
             want,
-            stage: Stage::First,
+            stage: LapPurpose::First,
             next: anchor(p),
             laps: 1,
             periodicity: Periodicity::DependsOnAnchor,
@@ -282,12 +283,12 @@ impl<T: Real> Cycle<T> {
 
     /// Whether the derivatives start at zero in the next lap.
     fn starts_rows(&self) -> bool {
-        !matches!(self.stage, Stage::Tangent(number) if number > 1)
+        !matches!(self.stage, LapPurpose::Tangent(number) if number > 1)
     }
 
     /// Whether the next lap computes derivatives by the displacement coefficients.
     fn carries_rows(&self) -> bool {
-        self.near || matches!(self.stage, Stage::Tangent(_))
+        self.near || matches!(self.stage, LapPurpose::Tangent(_))
     }
 
     /// Whether the next lap writes the derivatives of the forces.
@@ -296,7 +297,7 @@ impl<T: Real> Cycle<T> {
             Origin::Anchor => self.laps,
             Origin::Itself | Origin::Held(_) => 1,
         };
-        self.near || matches!(self.stage, Stage::Tangent(number) if number == laps)
+        self.near || matches!(self.stage, LapPurpose::Tangent(number) if number == laps)
     }
 
     /// Decides, from the slider at the end of a lap, on the next lap.
@@ -310,48 +311,48 @@ impl<T: Real> Cycle<T> {
             tolerance: course.work.tolerance[course.lane],
         };
         match self.stage {
-            Stage::First => {
+            LapPurpose::First => {
                 self.stuck = !lap.moved;
                 self.next = end;
                 self.stage = match course.plan.settings.laps {
-                    _ if self.stuck => Stage::Done,
+                    _ if self.stuck => LapPurpose::Done,
                     Laps::Fixed(1) => self.fixed(course.p, took, 1),
-                    Laps::Fixed(_) => Stage::Fixed(2),
-                    Laps::Periodic => Stage::Search(Search::new(end)),
+                    Laps::Fixed(_) => LapPurpose::Fixed(2),
+                    Laps::Periodic => LapPurpose::Search(Search::new(end)),
                 };
             }
-            Stage::Fixed(number) => match course.plan.settings.laps {
+            LapPurpose::Fixed(number) => match course.plan.settings.laps {
                 Laps::Fixed(n) if number as usize >= n => {
                     self.stage = self.fixed(course.p, took, number);
                 }
-                _ => (self.stage, self.next) = (Stage::Fixed(number + 1), end),
+                _ => (self.stage, self.next) = (LapPurpose::Fixed(number + 1), end),
             },
-            Stage::Search(search) => self.search(search, course, took),
-            Stage::Tangent(_) if self.is_last() => self.stage = Stage::Done,
-            Stage::Tangent(number) => {
-                (self.stage, self.next) = (Stage::Tangent(number + 1), end);
+            LapPurpose::Search(search) => self.search(search, course, took),
+            LapPurpose::Tangent(_) if self.is_last() => self.stage = LapPurpose::Done,
+            LapPurpose::Tangent(number) => {
+                (self.stage, self.next) = (LapPurpose::Tangent(number + 1), end);
             }
-            Stage::Done => {}
+            LapPurpose::Done => {}
         }
     }
 
     /// After the last lap of a given number of laps.
-    fn fixed(&mut self, p: &ContactParameters<T>, took: LapEnd<T>, laps: u32) -> Stage<T> {
+    fn fixed(&mut self, p: &ContactParameters<T>, took: LapEnd<T>, laps: u32) -> LapPurpose<T> {
         self.laps = laps;
         self.periodicity = classify(took.closes(), took.monodromy);
         self.finish(p, took.start)
     }
 
     /// What follows once the cycle from `start` is found.
-    fn finish(&mut self, p: &ContactParameters<T>, start: [T; 2]) -> Stage<T> {
+    fn finish(&mut self, p: &ContactParameters<T>, start: [T; 2]) -> LapPurpose<T> {
         if self.want == Want::Forces {
-            return Stage::Done;
+            return LapPurpose::Done;
         }
         self.next = match self.origin {
             Origin::Anchor => anchor(p),
             Origin::Itself | Origin::Held(_) => start,
         };
-        Stage::Tangent(1)
+        LapPurpose::Tangent(1)
     }
 
     /// A lap of the search.
@@ -359,7 +360,7 @@ impl<T: Real> Cycle<T> {
         let filled = std::mem::take(&mut self.near);
         let next = search.take(took, |slider| course.held(slider));
         self.laps = search.laps;
-        self.stage = Stage::Search(search);
+        self.stage = LapPurpose::Search(search);
         match next {
             Next::Plain => self.next = took.end,
             Next::From(slider) => {
@@ -371,7 +372,7 @@ impl<T: Real> Cycle<T> {
                 (self.origin, self.periodicity) = (search.origin, search.periodicity);
                 let done = filled && self.origin == Origin::Itself;
                 self.stage = if done {
-                    Stage::Done
+                    LapPurpose::Done
                 } else {
                     self.finish(course.p, took.start)
                 };
@@ -380,7 +381,7 @@ impl<T: Real> Cycle<T> {
     }
 
     #[inline(always)]
-    fn summary(&self, at: Place<T>, slip: u32) -> StateSummary {
+    fn summary(&self, at: LaneState<T>, slip: u32) -> StateSummary {
         let separated = at.work.separated[at.lane].to_f64() as u32;
         StateSummary {
             counts: StateCounts::new(at.plan.n_time(), slip, separated),

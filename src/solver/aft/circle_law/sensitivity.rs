@@ -4,7 +4,7 @@
 //! tangent is wanted, by all displacement coefficients. Three numbers describe the state of the contact: the slider in stick,
 //! the angle of the traction in slip, and the phase of an event at and just after that event.
 
-use crate::aft::forces::Block;
+use crate::aft::forces::TangentBlock;
 use crate::aft::lanes::masks::{MaskScratch, add_masked_gram, add_scaled, clear};
 use crate::aft::plan::{AftPlan, CHUNK, Chunk};
 use crate::contact::{ContactParameters, Real};
@@ -369,7 +369,7 @@ impl<T: Real> Blocks<T> {
         let (m, n) = (base.plan.m, base.plan.n_chunks());
         let blocks = out
             .chunks_exact_mut(m * m)
-            .zip(&Block::ALL[..Block::NN as usize]);
+            .zip(&TangentBlock::ALL[..TangentBlock::NN as usize]);
         for (out, block) in blocks {
             let (d, c) = (block.row_component(), block.column_component());
             let sums = &self.sums[(1 + c * n) * m..][..n * m];
@@ -382,7 +382,10 @@ impl<T: Real> Blocks<T> {
                 }
             }
         }
-        for (block, k) in [(Block::T1T1, base.p.k_t[0]), (Block::T2T2, base.p.k_t[1])] {
+        for (block, k) in [
+            (TangentBlock::T1T1, base.p.k_t[0]),
+            (TangentBlock::T2T2, base.p.k_t[1]),
+        ] {
             let block = &mut out[block as usize * m * m..][..m * m];
             add_masked_gram(base.plan, &self.stick, k, block);
         }

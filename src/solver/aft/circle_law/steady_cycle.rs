@@ -111,7 +111,7 @@ pub(in crate::aft) enum Origin<I, T> {
 /// Search of one state, from the end of its first lap.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Search<I, T> {
-    stage: Stage<I, T>,
+    stage: SearchStage<I, T>,
     /// Number of laps so far.
     pub laps: u32,
     pub origin: Origin<I, T>,
@@ -127,7 +127,7 @@ pub(in crate::aft) struct Search<I, T> {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Stage<I, T> {
+enum SearchStage<I, T> {
     Newton,
     /// Plain laps: their number from the anchor.
     Plain(u32),
@@ -139,7 +139,7 @@ impl<I: Copy, T: Real> Search<I, T> {
     /// From the slider after the first lap.
     pub(in crate::aft) fn new(first: [T; 2]) -> Self {
         Self {
-            stage: Stage::Newton,
+            stage: SearchStage::Newton,
             laps: 1,
             origin: Origin::Anchor,
             periodicity: Periodicity::NotPeriodic,
@@ -159,13 +159,13 @@ impl<I: Copy, T: Real> Search<I, T> {
         self.laps += 1;
         self.step = None;
         match self.stage {
-            Stage::Newton => self.newton(lap),
-            Stage::Plain(laps) => self.plain(lap, laps + 1, held),
-            Stage::Held(hold, laps, end) => {
+            SearchStage::Newton => self.newton(lap),
+            SearchStage::Plain(laps) => self.plain(lap, laps + 1, held),
+            SearchStage::Held(hold, laps, end) => {
                 if lap.rests() {
                     return self.found(Origin::Held(hold), Periodicity::DependsOnAnchor);
                 }
-                self.stage = Stage::Plain(laps);
+                self.stage = SearchStage::Plain(laps);
                 Next::From(end)
             }
         }
@@ -185,7 +185,7 @@ impl<I: Copy, T: Real> Search<I, T> {
         let finite = now < T::from_f64(f64::INFINITY);
         if (lap.rests() || (settled && singular)) && self.newton {
             // The slider rests, and the anchor decides where: plain laps start from the end of the first lap from the anchor.
-            self.stage = Stage::Plain(1);
+            self.stage = SearchStage::Plain(1);
             return Next::From(self.first);
         }
         if settled && (singular || lap.rests()) {
@@ -221,12 +221,12 @@ impl<I: Copy, T: Real> Search<I, T> {
             self.laps = laps;
             return self.found(Origin::Anchor, Periodicity::NotPeriodic);
         }
-        self.stage = Stage::Plain(laps);
+        self.stage = SearchStage::Plain(laps);
         if laps.is_multiple_of(PATIENCE)
             && (laps / PATIENCE).is_power_of_two()
             && let Some(hold) = held(lap.end)
         {
-            self.stage = Stage::Held(hold, laps, lap.end);
+            self.stage = SearchStage::Held(hold, laps, lap.end);
             return Next::From(hold.slider);
         }
         Next::Plain

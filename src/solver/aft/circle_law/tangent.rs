@@ -7,7 +7,7 @@
 use super::march::slip_monodromy;
 use super::march::{Cycle, lane2};
 use super::steady_cycle::{Hold, Origin, is_singular, solve_identity_minus};
-use crate::aft::forces::Block;
+use crate::aft::forces::TangentBlock;
 use crate::aft::lanes::masks::{
     MaskScratch, RANK, View, add_masked_gram, add_products, add_scaled,
 };
@@ -81,7 +81,7 @@ pub(in crate::aft) fn circle_tangent<T: Real>(
         scratch.lap(view, position, target);
     }
     masks.contact_spectrum(view);
-    let nn = &mut out[Block::NN as usize * size..][..size];
+    let nn = &mut out[TangentBlock::NN as usize * size..][..size];
     masks.add_contact(view.plan, p.k_n, nn);
 }
 
@@ -238,7 +238,7 @@ impl<T: Real> CircleScratch<T> {
         let (plan, k_t) = (view.plan, view.parameters().k_t);
         let (m, size) = (plan.m, plan.m * plan.m);
         let run = target.masks.run(plan, start, end);
-        for (block, k) in [(Block::T1T1, k_t[0]), (Block::T2T2, k_t[1])] {
+        for (block, k) in [(TangentBlock::T1T1, k_t[0]), (TangentBlock::T2T2, k_t[1])] {
             let block = &mut target.out[block as usize * size..][..size];
             add_masked_gram(plan, run, k, block);
         }

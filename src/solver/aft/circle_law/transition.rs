@@ -1,7 +1,7 @@
 //! Transitions of a contact between open, stick and slip: the slider after each of them, with its derivatives.
 
 use super::kink::Kink;
-use super::lap::{Lap, LapMarch, Motion};
+use super::lap::{ClosedMotion, Lap, LapMarch};
 use super::node::{At, Node, slip_step};
 use super::sensitivity::{
     Base, Basis, KinkRows, Row, SignalWeights, add_row, add_signals, add_step, scale, set_rows,
@@ -14,14 +14,14 @@ use pulp::Simd;
 
 impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     /// Motion at the start of the lap of a contact that is closed there.
-    pub(super) fn resume(&mut self, node: &Node<T>, slider: [T; 2]) -> Motion<T> {
+    pub(super) fn resume(&mut self, node: &Node<T>, slider: [T; 2]) -> ClosedMotion<T> {
         let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
         let size = dot(t, t).sqrt();
         let margin = self.course.work.touch_margin(self.course.lane);
         let e = t.map(|t| t / size);
         let slides = node.sliding(e) > T::ZERO && size > node.limit - margin && size > T::ZERO;
         let beyond = size > node.limit + margin;
-        let mut motion = Motion::Stick(slider);
+        let mut motion = ClosedMotion::Stick(slider);
         if slides || beyond {
             self.lap.moved = true;
             self.turn_towards(node, e, size);
@@ -29,9 +29,9 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             let slider = self.stop(node, half);
             self.lap.slider = slider;
             motion = if slides {
-                Motion::Slip(half)
+                ClosedMotion::Slip(half)
             } else {
-                Motion::Stick(slider)
+                ClosedMotion::Stick(slider)
             };
         }
         motion
@@ -57,7 +57,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     }
 
     /// A slider that rested begins to slip at `node`, whose basis row is `next_row` of the lap.
-    pub(super) fn start_slip(&mut self, node: &Node<T>, slider: [T; 2]) -> Motion<T> {
+    pub(super) fn start_slip(&mut self, node: &Node<T>, slider: [T; 2]) -> ClosedMotion<T> {
         let base = self.base();
         let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
         let size = dot(t, t).sqrt();
@@ -95,7 +95,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             lap.bending_row(base, node, e);
             lap.turning_row(&mut out.bend, e, [-bending, -T::ONE]);
         });
-        Motion::Slip(HalfAngle::of(e))
+        ClosedMotion::Slip(HalfAngle::of(e))
     }
 
     /// Slip from `here` on, in the direction `half`, ends at `node`, whose basis row is `next_row` of the lap.
@@ -103,7 +103,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
         &mut self,
         [here, node]: [&Node<T>; 2],
         half: HalfAngle<T>,
-    ) -> Motion<T> {
+    ) -> ClosedMotion<T> {
         let base = self.base();
         let after = half.after(self.course.map(here, node));
         let turning = self.slide([here, node], half, after);
@@ -130,7 +130,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             lap.bending_row(base, node, e);
             lap.turning_row(&mut out.bend, e, [bending, T::ONE]);
         });
-        Motion::Stick(slider)
+        ClosedMotion::Stick(slider)
     }
 
     /// The slider and its rows at `node`, where slip in the direction `half` ends.
@@ -201,7 +201,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     }
 
     /// The contact closes: until then the slider has followed the surface. It then rests or slips at once.
-    pub(super) fn close(&mut self, theta: T) -> (Node<T>, Motion<T>) {
+    pub(super) fn close(&mut self, theta: T) -> (Node<T>, ClosedMotion<T>) {
         let base = self.base();
         let lap = &mut *self.lap;
         let node = self.course.gap_root(theta, &mut lap.row);
@@ -230,7 +230,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
                     }
                 }
             });
-            return (node, Motion::Stick(node.path));
+            return (node, ClosedMotion::Stick(node.path));
         }
         let e = node.rate.map(|v| v / speed);
         let p = normal(e);
@@ -244,7 +244,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
         add_signals(base, &mut lap.rows.angle, Basis::Event(&lap.row), weights);
         lap.slider = node.path;
         self.limit_kink(&node, e, T::ONE);
-        (node, Motion::Slip(HalfAngle::of(e)))
+        (node, ClosedMotion::Slip(HalfAngle::of(e)))
     }
 
     /// The contact, which slips in the direction `half`, opens; `turning` is the rate of the angle.
@@ -301,7 +301,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     }
 
     /// The slider and its rows at the end of the lap; `open` says whether the contact is open there.
-    pub(super) fn rest(&mut self, motion: Motion<T>, open: bool) -> [T; 2] {
+    pub(super) fn rest(&mut self, motion: ClosedMotion<T>, open: bool) -> [T; 2] {
         let base = self.base();
         let node = self.course.sample(base.plan.n_time());
         if open {
@@ -314,8 +314,8 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             return node.path;
         }
         match motion {
-            Motion::Stick(slider) => slider,
-            Motion::Slip(half) => {
+            ClosedMotion::Stick(slider) => slider,
+            ClosedMotion::Slip(half) => {
                 self.lap.rows.instant.fill([T::ZERO; CHUNK]);
                 let slider = self.stop(&node, half);
                 self.lap.note_slip(slider);

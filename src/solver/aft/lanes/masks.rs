@@ -5,7 +5,7 @@
 
 use super::motions::{Event, contacts, last_event};
 use super::workspace::Workspace;
-use crate::aft::forces::Block;
+use crate::aft::forces::TangentBlock;
 use crate::aft::plan::AftPlan;
 use crate::contact::{ContactParameters, Real};
 
@@ -207,7 +207,7 @@ pub(in crate::aft) fn add_products<'r, T: Real>(
     row: impl Fn(usize, usize, usize) -> &'r [T],
     out: &mut [T],
 ) {
-    for block in &Block::ALL[..Block::NN as usize] {
+    for block in &TangentBlock::ALL[..TangentBlock::NN as usize] {
         let (d, c) = (block.row_component(), block.column_component());
         let rows: [&[T]; RANK] = std::array::from_fn(|r| row(r, d, c));
         let target = &mut out[*block as usize * m * m..][..m * m];

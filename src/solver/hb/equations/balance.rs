@@ -14,8 +14,8 @@
 use super::layout::{Layout, PairTangent};
 use super::problem::Problem;
 use crate::aft::{
-    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateCounts,
-    StateSummary, Tangent, Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Periodicity, StateCounts,
+    StateSummary, Tangent, TangentBlock, Want, evaluate,
 };
 use crate::contact::{Events, FrictionLaw};
 use crate::harmonics::HarmonicSet;
@@ -50,7 +50,7 @@ pub struct ContactResponse {
 
 /// Motion of the whole structure in modal coordinates η.
 #[derive(Debug)]
-pub struct Motion {
+pub struct StructureMotion {
     /// η₀. Shape: `[n]`.
     pub rest: Vec<f64>,
     /// η̂ₖ of the harmonics k ≥ 1, in the order of the set. Shape: `[n_harmonics][n]`.
@@ -165,7 +165,7 @@ impl<'p> Balance<'p> {
     /// ∂F/∂r − K_c of the pairs that do not stick all the time.
     fn active_pairs(&self, forces: &AftForces<f64>) -> Vec<PairTangent> {
         let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
-        let deviation = |pair: usize, offset: usize, block: Block| {
+        let deviation = |pair: usize, offset: usize, block: TangentBlock| {
             let (row, column) = (block.row_component(), block.column_component());
             let mut values = forces.block(offset, block).to_vec();
             if row == column {
@@ -181,7 +181,7 @@ impl<'p> Balance<'p> {
             .filter_map(|(pair, tangent)| match *tangent {
                 Tangent::Stuck => None,
                 Tangent::Blocks(offset) => {
-                    let blocks = (Block::ALL.into_iter())
+                    let blocks = (TangentBlock::ALL.into_iter())
                         .map(|block| deviation(pair, offset, block))
                         .filter(|(.., values)| values.iter().any(|v| *v != 0.0))
                         .collect();
@@ -212,7 +212,7 @@ impl<'p> Balance<'p> {
 
     /// The residual R(r) (m) for the contact forces `force` = F(r) and the motion that they cause. Shape: as r.
     #[must_use]
-    pub fn residual(&self, motion: &Motion, r: &[f64], force: &[f64]) -> Vec<f64> {
+    pub fn residual(&self, motion: &StructureMotion, r: &[f64], force: &[f64]) -> Vec<f64> {
         let n = self.layout.n_relative();
         let g = self.deviation(r, force);
         let mut out = r.to_vec();
@@ -245,7 +245,7 @@ impl<'p> Balance<'p> {
 
     /// ∂R/∂ω at fixed r (m/(rad/s)): BΦ Z_s⁻¹ (dZ/dω) η, harmonic by harmonic. Shape: as r.
     #[must_use]
-    pub fn frequency_slope(&self, at: &Compliance<'_>, motion: &Motion) -> Vec<f64> {
+    pub fn frequency_slope(&self, at: &Compliance<'_>, motion: &StructureMotion) -> Vec<f64> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
         for (i, (h, eta)) in at.harmonics.iter().zip(&motion.dynamic).enumerate() {
             let load = h.part.impedance_slope(h.order, at.omega, eta);
@@ -256,7 +256,13 @@ impl<'p> Balance<'p> {
 
     /// Motion of the structure under the excitation and the contact forces.
     #[must_use]
-    pub fn motion(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Motion {
+    pub fn motion(
+        &self,
+        at: &Compliance<'_>,
+        level: f64,
+        r: &[f64],
+        force: &[f64],
+    ) -> StructureMotion {
         let n = self.layout.n_relative();
         let rest = &self.problem.stuck_static;
         let g = self.deviation(r, force);
@@ -271,7 +277,7 @@ impl<'p> Balance<'p> {
                 h.solve(&load)
             })
             .collect();
-        Motion {
+        StructureMotion {
             rest: rest
                 .eta
                 .iter()
@@ -284,7 +290,12 @@ impl<'p> Balance<'p> {
 
     /// Derivative of the first harmonic of the response that defines resonance (m) along the path whose derivatives are `rates`.
     #[must_use]
-    pub fn response_rate(&self, at: &Compliance<'_>, motion: &Motion, rate: &LoadRate<'_>) -> c64 {
+    pub fn response_rate(
+        &self,
+        at: &Compliance<'_>,
+        motion: &StructureMotion,
+        rate: &LoadRate<'_>,
+    ) -> c64 {
         let (first, eta) = (&at.harmonics[0], &motion.dynamic[0]);
         let part = first.part;
         let mut load = part.contact_load(&self.complex(0, rate.deviation));

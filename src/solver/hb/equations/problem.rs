@@ -5,7 +5,7 @@ use crate::contact::ContactParameters;
 use crate::hb::ProblemError;
 use crate::hb::settings::SliderAnchor;
 use crate::hb::structure::linear::{LinearModel, ModalPart};
-use crate::linalg::Entry;
+use crate::linalg::Scalar;
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 
@@ -256,7 +256,7 @@ fn static_factor(part: &ModalPart, k: &[f64]) -> Result<Llt<f64>, ProblemError> 
 }
 
 /// Cholesky factor of a stiffness that holds the structure.
-fn cholesky<E: Entry>(stiffness: &Mat<E>) -> Result<Llt<E>, ProblemError> {
+fn cholesky<E: Scalar>(stiffness: &Mat<E>) -> Result<Llt<E>, ProblemError> {
     let n = stiffness.nrows();
     let pivots = |a: MatRef<'_, E>| (0..n).map(|i| a[(i, i)].real_part()).collect::<Vec<f64>>();
     let largest = pivots(stiffness.as_ref()).into_iter().fold(0.0, f64::max);

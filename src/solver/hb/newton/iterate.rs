@@ -3,7 +3,7 @@
 
 use super::point::{Direction, Point};
 use crate::aft::Want;
-use crate::hb::equations::balance::{Balance, ContactResponse, LoadRate, Motion};
+use crate::hb::equations::balance::{Balance, ContactResponse, LoadRate, StructureMotion};
 use crate::hb::equations::jacobian::{EXACT, Jacobian};
 use crate::hb::structure::compliance::Compliance;
 use faer::prelude::c64;
@@ -21,7 +21,7 @@ pub struct Iterate<'p> {
     /// The residual R (m). Shape: as r.
     pub residual: Vec<f64>,
     /// Motion of the structure.
-    pub motion: Motion,
+    pub motion: StructureMotion,
 }
 
 /// Tolerance of the linear solve of a Newton step, over the relative residual at its start ("forcing term"). A Newton step

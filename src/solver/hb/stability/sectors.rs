@@ -49,13 +49,13 @@ pub(super) struct Sectors {
 pub(super) struct RingWave {
     /// Entries of Ĉ (1/s) that are not zero.
     pub(super) damping: Vec<(usize, usize, c64)>,
-    pub(super) forward: Direction,
-    pub(super) backward: Option<Direction>,
+    pub(super) forward: WaveResponse,
+    pub(super) backward: Option<WaveResponse>,
 }
 
 /// A wave in one direction.
 #[derive(Debug)]
-pub(super) struct Direction {
+pub(super) struct WaveResponse {
     /// Y. Shape: n × n.
     receptance: Mat<c64>,
     /// L. Shape: n × 3·active.
@@ -103,7 +103,7 @@ impl Sectors {
     }
 
     /// The direction of a wave 0 to N − 1.
-    pub(super) fn direction(&self, wave: usize) -> &Direction {
+    pub(super) fn direction(&self, wave: usize) -> &WaveResponse {
         match self.waves.get(wave) {
             Some(of) => &of.forward,
             None => {
@@ -248,7 +248,7 @@ impl RingWave {
         let turned: Vec<_> = damping.iter().map(|&(i, j, c)| (i, j, c.conj())).collect();
         let other = of.contact.conjugate().to_owned();
         let direction = |damping: &[(usize, usize, c64)], contact: &Mat<c64>| {
-            Direction::new(&of.lambda, damping, contact, constant, active, s)
+            WaveResponse::new(&of.lambda, damping, contact, constant, active, s)
         };
         Self {
             forward: direction(&damping, &of.contact),
@@ -273,7 +273,7 @@ impl RingWave {
     }
 }
 
-impl Direction {
+impl WaveResponse {
     fn new(
         lambda: &[f64],
         damping: &[(usize, usize, c64)],

@@ -9,7 +9,7 @@
 
 use crate::hb::equations::problem::Problem;
 use crate::hb::structure::linear::{ModalPart, held_stiffness};
-use crate::linalg::{Entry, symmetric_eigen, symmetric_generalized_eigen};
+use crate::linalg::{Scalar, symmetric_eigen, symmetric_generalized_eigen};
 use faer::Side;
 use faer::prelude::*;
 
@@ -229,7 +229,7 @@ fn stuck_shapes(part: &ModalPart, stuck: &[f64], cut: f64) -> Option<(Vec<f64>, 
 /// Λ of the coordinates, and their shapes in the modes of the part: its modes up to `cut` (1/s²), and of the others those
 /// deflections under patterns of contact forces that are soft beside contacts of the stiffness `stuck` (N/m). `contact` are the
 /// relative displacements of the part's modes. `None` if an eigenvalue iteration fails.
-fn shapes<E: Entry>(
+fn shapes<E: Scalar>(
     part: &ModalPart,
     contact: &Mat<E>,
     stuck: &[f64],

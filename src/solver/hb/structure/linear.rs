@@ -7,7 +7,7 @@
 
 use crate::hb::ProblemError;
 use crate::linalg::split::SplitMat;
-use crate::linalg::{Entry, symmetric_generalized_eigen};
+use crate::linalg::{Scalar, symmetric_generalized_eigen};
 use crate::model::disk::Disk;
 use crate::model::{ContactPair, ReducedModel, SparseRow};
 use faer::prelude::*;
@@ -349,7 +349,7 @@ impl Coupling {
 
 /// Λ + `multiplicity` Bᴴ K B: the stiffness in coordinates with the diagonal stiffness Λ, with springs `k` (N/m) between the
 /// contacts, whose relative displacements are B (`contact`).
-pub(in crate::hb) fn held_stiffness<E: Entry>(
+pub(in crate::hb) fn held_stiffness<E: Scalar>(
     lambda: &[f64],
     contact: &Mat<E>,
     multiplicity: f64,

@@ -3,7 +3,7 @@
 
 use super::compliance::Compliance;
 use super::linear::{LinearModel, ModalPart};
-use crate::linalg::{Entry, LinalgError, symmetric_generalized_eigen};
+use crate::linalg::{LinalgError, Scalar, symmetric_generalized_eigen};
 use faer::prelude::*;
 
 /// Least damping ratio assumed when modes are ranked: an undamped mode would have an infinite amplitude.
@@ -278,7 +278,7 @@ pub fn linear_response(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
 }
 
 /// Eigenpairs of a stiffness in coordinates of unit mass.
-fn eigen<E: Entry>(stiffness: &Mat<E>) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
+fn eigen<E: Scalar>(stiffness: &Mat<E>) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
     let unit: Mat<E> = Mat::identity(stiffness.nrows(), stiffness.ncols());
     symmetric_generalized_eigen(stiffness.as_ref(), unit.as_ref())
 }

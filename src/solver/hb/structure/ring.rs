@@ -7,7 +7,7 @@
 
 use super::linear::rows_of_pairs;
 use crate::hb::ProblemError;
-use crate::linalg::{Entry, symmetric_generalized_eigen};
+use crate::linalg::{Scalar, symmetric_generalized_eigen};
 use crate::model::SparseRow;
 use crate::model::disk::Disk;
 use faer::prelude::*;
@@ -237,7 +237,7 @@ impl Family {
         Self::new(matrices, model.retention.as_ref(), vec![cosine, sine])
     }
 
-    fn new<E: Entry>(
+    fn new<E: Scalar>(
         [stiffness, mass, damping]: [&Mat<E>; 3],
         retention: Option<&Mat<E>>,
         patterns: Vec<Pattern>,

@@ -29,7 +29,7 @@ pub(super) struct GaussSeidel {
     slots: Vec<SingleSlot>,
     /// Real and imaginary part of G' (m/N) of harmonic 0 and of those above, by columns.
     compliance: Vec<[Vec<f32>; 2]>,
-    blocks: Vec<Block>,
+    blocks: Vec<SlotBlock>,
 }
 
 /// One force component of one pair.
@@ -43,7 +43,7 @@ struct SingleSlot {
 
 /// Neighbouring slots of one force component.
 #[derive(Debug)]
-struct Block {
+struct SlotBlock {
     slots: Range<usize>,
     /// LU factors of the diagonal block of C of these slots.
     factors: SingleLu,
@@ -206,7 +206,7 @@ impl GaussSeidel {
 }
 
 /// Blocks of neighbouring slots of one force component.
-fn blocks(exact: &Capacitance) -> Vec<Block> {
+fn blocks(exact: &Capacitance) -> Vec<SlotBlock> {
     let most = (BLOCK_UNKNOWNS / exact.layout.n_coefficients).max(BLOCK_SLOTS);
     let mut blocks = Vec::new();
     let mut start = 0;
@@ -217,7 +217,7 @@ fn blocks(exact: &Capacitance) -> Vec<Block> {
             let slots = at(part)..at(part + 1);
             let matrix = exact.matrix(slots.clone());
             let factors = SingleLu::new(&matrix);
-            blocks.push(Block { slots, factors });
+            blocks.push(SlotBlock { slots, factors });
         }
         start += same.len();
     }
