@@ -129,5 +129,6 @@ fn provenance(settings: &HbSettings) -> Provenance {
         highest_harmonic: settings.alert.map(|alert| alert.highest_harmonic),
         compared_with: settings.alert.map(|alert| alert.compared_with),
         followed_modes: Vec::new(),
+        peak_mode: None,
     }
 }

@@ -32,6 +32,7 @@ impl RigArguments {
         if let Some(study) = &rig.study {
             messages.log.warn(&study.warnings);
         }
+        messages.log.warn(&rig.warnings());
         let bar = Bar::new(messages);
         let (done, total) = (AtomicU64::new(0), rig.number_of_tests());
         let summary = write_tests(&rig, &self.output, || {

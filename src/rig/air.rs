@@ -11,7 +11,7 @@
 //! pressure falls to 0.528 p_film there, taken linear with the distance. Under a hole it is that of the inlet. Viscosity is
 //! left out: with 0.1 mm the flow is limited by the speed of sound, not by friction.
 
-use crate::setting::{BadSetting, non_negative, positive};
+use crate::setting::{BadSetting, positive, within};
 use crate::units::mm_to_m;
 use std::f64::consts::PI;
 
@@ -19,6 +19,10 @@ use std::f64::consts::PI;
 const CRITICAL_RATIO: f64 = 0.528_282;
 /// Standard atmosphere (MPa).
 const ATMOSPHERE_MPA: f64 = 0.101_325;
+/// Supplies that can be meant (MPa).
+const MOST_MPA: f64 = 100.0;
+/// Largest standard deviation of the load (%): its distance from 0 is then five of them.
+const MOST_NOISE_PERCENT: f64 = 20.0;
 /// Holes at most.
 const MOST_HOLES: usize = 1000;
 
@@ -81,6 +85,7 @@ impl AirSettings {
     /// [`BadSetting`] with a key relative to `[loading]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
         positive("inlet_mpa", self.inlet_mpa)?;
+        within("inlet_mpa", self.inlet_mpa, [0.0, MOST_MPA])?;
         positive("gap_mm", self.gap_mm)?;
         let rule = format!("must be from 1 to {MOST_HOLES}");
         let some = (1..=MOST_HOLES).contains(&self.holes);
@@ -88,8 +93,17 @@ impl AirSettings {
         positive("hole_mm", self.hole_mm)?;
         positive("margin_mm", self.margin_mm)?;
         positive("discharge", self.discharge)?;
-        non_negative("regulator_noise_percent", self.regulator_noise_percent)?;
-        positive("regulator_time_s", self.regulator_time_s)
+        let percent = self.regulator_noise_percent;
+        let rule = format!("must be from 0 to {MOST_NOISE_PERCENT}: beyond, the load may vanish");
+        let small = (0.0..=MOST_NOISE_PERCENT).contains(&percent);
+        BadSetting::unless(small, "regulator_noise_percent", percent, &rule)?;
+        positive("regulator_time_s", self.regulator_time_s)?;
+        let rule = format!(
+            "must be at least half of hole_mm, {}: the holes are above the strip",
+            0.5 * self.hole_mm
+        );
+        let above = self.margin_mm >= 0.5 * self.hole_mm;
+        BadSetting::unless(above, "margin_mm", self.margin_mm, &rule)
     }
 
     /// The film on a strip with the sides `strip_mm`.
@@ -108,13 +122,20 @@ impl AirSettings {
         let throat = self.holes as f64 * (PI * d * h).min(0.25 * PI * d * d);
         let ratio = self.discharge * throat / (2.0 * (width + length) * h);
         let inlet = self.inlet_mpa + ATMOSPHERE_MPA;
+        let plate = format!(
+            "with hole_mm = {d}, gap_mm = {h} and discharge = {}",
+            self.discharge
+        );
         let rule = format!(
-            "must leave a film below {CRITICAL_RATIO} of the inlet's absolute pressure (it has {ratio:.3}): else the flow is not choked"
+            "must leave a film below {CRITICAL_RATIO} of the inlet's absolute pressure ({plate} it has {ratio:.3}): else the flow is not choked"
         );
         BadSetting::unless(ratio < CRITICAL_RATIO, "holes", self.holes, &rule)?;
         let film = ratio * inlet;
         let edge = CRITICAL_RATIO * film;
-        let rule = format!("gives {film:.3} MPa in the film: too little for a choked gap");
+        let rule = format!(
+            "gives {film:.3} MPa in the film {plate} and holes = {}: too little for a choked gap",
+            self.holes
+        );
         BadSetting::unless(edge > ATMOSPHERE_MPA, "inlet_mpa", self.inlet_mpa, &rule)?;
         Ok(AirFilm {
             half: [0.5 * mm_to_m(width), 0.5 * mm_to_m(length)],

@@ -4,9 +4,11 @@ use super::motion::Motion;
 use super::noise::{Noise, Purpose};
 use super::support::SupportSettings;
 use crate::record::quantised;
-use crate::setting::{BadSetting, non_negative, positive, within};
+use crate::setting::{BadSetting, positive, within};
 use crate::units::um_to_m;
 
+/// Numbers of an instrument that can be meant, in the units of their keys.
+const ANY: [f64; 2] = [0.0, 1e6];
 /// Standard deviations of a normal law from its mean to a limit that 95 % keep.
 pub(super) const DEVIATIONS_OF_LIMIT: f64 = 1.959_964;
 
@@ -84,9 +86,10 @@ impl CellSettings {
     /// [`BadSetting`] with a key relative to `[force_cells]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
         positive("range_n", self.range_n)?;
+        within("range_n", self.range_n, ANY)?;
         within("error_percent", self.error_percent, [0.0, 20.0])?;
-        non_negative("noise_n", self.noise_n)?;
-        non_negative("drift_n_per_s", self.drift_n_per_s)
+        within("noise_n", self.noise_n, ANY)?;
+        within("drift_n_per_s", self.drift_n_per_s, ANY)
     }
 }
 
@@ -96,11 +99,18 @@ impl VibrometerSettings {
     /// # Errors
     /// [`BadSetting`] with a key relative to `[vibrometer]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
-        non_negative("resolution_um", self.resolution_um)?;
         positive("sensitivity_um_per_v", self.sensitivity_um_per_v)?;
         positive("range_v", self.range_v)?;
-        non_negative("noise_um", self.noise_um)?;
-        non_negative("drift_um_per_s", self.drift_um_per_s)
+        for (key, value) in [
+            ("resolution_um", self.resolution_um),
+            ("sensitivity_um_per_v", self.sensitivity_um_per_v),
+            ("range_v", self.range_v),
+            ("noise_um", self.noise_um),
+            ("drift_um_per_s", self.drift_um_per_s),
+        ] {
+            within(key, value, ANY)?;
+        }
+        Ok(())
     }
 }
 

@@ -67,7 +67,7 @@ impl Excitation {
         let some = (1..=MOST_TESTS).contains(&tests);
         BadSetting::unless(some, "repetitions", self.repetitions, &rule)?;
         let enough = self.samples_per_cycle >= FEWEST_SAMPLES;
-        let rule = format!("must be at least {FEWEST_SAMPLES}, as `identify` needs");
+        let rule = format!("must be at least {FEWEST_SAMPLES}: `identify` takes no fewer");
         BadSetting::unless(enough, "samples_per_cycle", self.samples_per_cycle, &rule)?;
         BadSetting::unless(
             self.cycles >= 1,

@@ -8,9 +8,14 @@ use super::settings::StripSettings;
 use crate::model::ModelError;
 use crate::model::two_blade::{InterfaceCell, TwoBladeSettings, interface_cells};
 use crate::record::{PressureCell, PressureMap};
-use crate::setting::{BadSetting, non_negative, positive};
+use crate::setting::{BadSetting, positive, within};
 use crate::units::STANDARD_GRAVITY;
+use std::f64::consts::PI;
 
+/// Weights and masses that can be meant (kg).
+const WEIGHT_KG: [f64; 2] = [0.0, 1e4];
+/// Stiffnesses of a punch that can be meant (N/µm).
+const STIFFNESS_N_PER_UM: [f64; 2] = [0.0, 1e6];
 /// Points of a cell in each direction over which its pressure is averaged.
 const POINTS_OF_CELL: usize = 16;
 /// Distance of the points at which the pressure on a whole strip is counted (mm).
@@ -87,8 +92,10 @@ impl Loading {
             }
             Self::Punch(punch) => {
                 positive("weight_kg", punch.weight_kg)?;
-                non_negative("punch_mass_kg", punch.punch_mass_kg)?;
-                non_negative("punch_stiffness_n_per_um", punch.punch_stiffness_n_per_um)
+                within("weight_kg", punch.weight_kg, WEIGHT_KG)?;
+                within("punch_mass_kg", punch.punch_mass_kg, WEIGHT_KG)?;
+                let stiffness = punch.punch_stiffness_n_per_um;
+                within("punch_stiffness_n_per_um", stiffness, STIFFNESS_N_PER_UM)
             }
         }
     }
@@ -226,10 +233,20 @@ fn punch_map(punch: &PunchSettings, cells: Vec<InterfaceCell>) -> LoadMap {
         .map(|(cell, load)| (load / cell.area / PA_PER_MPA, cell.area))
         .collect();
     LoadMap {
-        pressure: facts(&pressures),
+        pressure: PressureFacts {
+            within_tenth: even_under_punch(),
+            ..facts(&pressures)
+        },
         loads,
         cells,
     }
+}
+
+/// Share of the area under a rigid flat punch within a tenth of the mean: that between the places s where p/p̄ = 2/(π √(1 − 4 s²)) is 0.9
+/// and 1.1.
+fn even_under_punch() -> f64 {
+    let place = |ratio: f64| (1.0 - (2.0 / (PI * ratio)).powi(2)).sqrt();
+    place(1.0 + TENTH) - place(1.0 - TENTH)
 }
 
 /// From pressures (MPa) with their areas, in any unit.
@@ -242,6 +259,6 @@ fn facts(pressures: &[(f64, f64)]) -> PressureFacts {
     PressureFacts {
         mean_mpa,
         largest_mpa: pressures.iter().fold(0.0, |most, (p, _)| p.max(most)),
-        within_tenth: near.map(|(_, area)| area).sum::<f64>() / area,
+        within_tenth: near.fold(0.0, |sum, (_, area)| sum + area) / area,
     }
 }

@@ -1,6 +1,6 @@
 //! Random numbers of a rig: a stream for each purpose of each test, so that a change of one leaves the others as they are.
 
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha20Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -22,9 +22,11 @@ pub enum Purpose {
     Gains = 6,
     /// Gain of the force cell of configuration b.
     ForceOfResponse = 7,
+    /// Where the frequencies of a step-sine lie beside the resonance.
+    Steps = 8,
 }
 
-/// A stream of normal numbers.
+/// A stream of numbers.
 #[derive(Debug, Clone)]
 pub struct Noise(ChaCha20Rng);
 
@@ -45,6 +47,11 @@ impl Noise {
     /// A standard normal number.
     pub fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
+    }
+
+    /// A number from 0 to below 1, evenly distributed.
+    pub fn even(&mut self) -> f64 {
+        self.0.random()
     }
 }
 

@@ -15,6 +15,14 @@ use crate::study::settings::document::Document;
 use crate::study::{ModelSettings, Study};
 use crate::units::rad_s_to_hz;
 
+/// Tests of all specimens at most: half an hour of a processor.
+const MOST_TESTS: u64 = 100_000;
+/// Samples of all tests at most, with the run-in: some hours of a processor.
+const MOST_SAMPLES: f64 = 1e10;
+/// Vibration of a blade in all tests at most (s): a day of a processor.
+const MOST_VIBRATION_S: f64 = 1e5;
+/// Tests slower than this part of the box's own frequency hardly move it.
+const SLOW: f64 = 200.0;
 /// Top-level keys.
 const KEYS: [&str; 11] = [
     "name",
@@ -117,12 +125,40 @@ impl Rig {
             let written = given.unwrap_or_default();
             BadSetting::unless(given.is_none(), "excitation.amplitude_um", written, rule)?;
         }
+        self.check_work()?;
         self.force_cells.validate().map_err(under("force_cells"))?;
         self.vibrometer.validate().map_err(under("vibrometer"))?;
         match &self.response {
             Some(response) => response.validate().map_err(under("response")),
             None => Ok(()),
         }
+    }
+
+    /// Refuses tests that would take days.
+    fn check_work(&self) -> Result<(), BadSetting> {
+        let specimens = self.contact.specimens;
+        let tests = self.number_of_tests();
+        let rule = format!("must give at most {MOST_TESTS} tests, not {tests}");
+        BadSetting::unless(tests <= MOST_TESTS, "contact.specimens", specimens, &rule)?;
+        let excitation = &self.excitation;
+        let cycles = excitation.cycles + excitation.run_in_cycles;
+        let samples = tests as f64 * cycles as f64 * excitation.samples_per_cycle as f64;
+        let rule = format!(
+            "gives {samples:.1e} samples in all tests, must give at most {MOST_SAMPLES:.0e}"
+        );
+        let few = samples <= MOST_SAMPLES;
+        BadSetting::unless(few, "excitation.cycles", excitation.cycles, &rule)?;
+        let Some(blade) = &self.blade else {
+            return Ok(());
+        };
+        let cycles = (cycles + blade.settling_cycles) as f64;
+        let periods: f64 = excitation.frequencies_hz.iter().map(|f| 1.0 / f).sum();
+        let vibration_s = (specimens * excitation.repetitions) as f64 * cycles * periods;
+        let rule = format!(
+            "gives {vibration_s:.1e} s of vibration in all tests, must give at most {MOST_VIBRATION_S:.0e} s"
+        );
+        let short = vibration_s <= MOST_VIBRATION_S;
+        BadSetting::unless(short, "blade.settling_cycles", blade.settling_cycles, &rule)
     }
 
     /// The study of `[response]`, which must be one of two blades.
@@ -147,6 +183,24 @@ impl Rig {
         let checked = settings.check_band(rad_s_to_hz(study.frequency.band[0]));
         document.checked(checked.map_err(|bad| bad.under("response")))?;
         Ok(Some(study))
+    }
+
+    /// What may be meant but spoils the records: a sampling rate that does not show the vibration of the box after each start of slip.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let (samples, of_box) = (
+            self.excitation.samples_per_cycle,
+            self.support.own_frequency_hz(),
+        );
+        let is_folded = |f: &f64| f * (samples as f64) < 2.0 * of_box && f * SLOW > of_box;
+        let mut folded = self.excitation.frequencies_hz.iter().copied();
+        let warning = folded.find(is_folded).map(|frequency| {
+            format!(
+                "excitation.samples_per_cycle = {samples}: at {frequency} Hz the sampling rate is below twice the {of_box:.0} Hz of the measuring \
+                 box: its vibration looks like a slower one, and what `identify` finds may miss the truth by more than its interval"
+            )
+        });
+        warning.into_iter().collect()
     }
 
     /// Folder of the file: what its file names are relative to.

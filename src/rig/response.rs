@@ -87,6 +87,7 @@ impl Rig {
         let prepared = study.prepared()?;
         let levels = prepared.ensemble(None).levels(&[], &Atlas::default());
         let mut noise = Noise::new(self.seed, Purpose::Response, index);
+        let mut places = Noise::new(self.seed, Purpose::Steps, index);
         let mut measured = Vec::new();
         for (level, stated) in levels.iter().zip(stated) {
             let (peak, steps) = match &settings.step_sine {
@@ -96,7 +97,8 @@ impl Rig {
                     (measured, Vec::new())
                 }
                 Some(step_sine) => {
-                    let steps = self.steps(step_sine, &prepared, level, &mut noise)?;
+                    let shift = places.even() - 0.5;
+                    let steps = self.steps((step_sine, shift), &prepared, level, &mut noise)?;
                     let found = level.peak.and_then(|peak| self.found_by(&steps, &peak));
                     (found, steps)
                 }
@@ -160,10 +162,11 @@ impl Rig {
         1e-2 * self.force_cells.error_percent / DEVIATIONS_OF_LIMIT
     }
 
-    /// What the vibrometer shows of every step through the resonance of a level; none without a resonance.
+    /// What the vibrometer shows of every step through the resonance of a level; none without a resonance. The middle of the steps is `shift`
+    /// of them away from it.
     fn steps(
         &self,
-        settings: &StepSineSettings,
+        (settings, shift): (&StepSineSettings, f64),
         prepared: &PreparedStudy<'_>,
         level: &LevelOutcome,
         noise: &mut Noise,
@@ -172,7 +175,7 @@ impl Rig {
             return Ok(Vec::new());
         };
         let ratio = peak.damping_ratio.get().unwrap_or_default();
-        let frequencies = settings.frequencies(peak.frequency_hz, ratio * peak.frequency_hz);
+        let frequencies = settings.frequencies(peak.frequency_hz, ratio * peak.frequency_hz, shift);
         let omega: Vec<f64> = frequencies.iter().map(|f| hz_to_rad_s(*f)).collect();
         let problem = prepared.nominal_problem()?;
         let sweep = SlowSweep {

@@ -166,7 +166,7 @@ impl StripSettings {
     /// # Errors
     /// [`BadSetting`] with a key relative to `[strip]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
-        non_negative("loss_at_1_khz", self.loss_at_1_khz)?;
+        within("loss_at_1_khz", self.loss_at_1_khz, [0.0, 1.0])?;
         self.model().validate()
     }
 

@@ -6,11 +6,19 @@ use super::noise::Noise;
 use super::settings::{FEWEST_STEPS, StepSineSettings};
 use crate::record::quantised;
 use crate::units::um_to_m;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// Steps whose amplitude is at least this share of the largest one take part in the fit, if they are beside each other.
 const FITTED: f64 = 0.75;
+/// Degrees of the polynomials that are fitted: a parabola is the curve of one oscillator, a slipping or opening contact is lopsided.
+const DEGREES: [usize; 2] = [2, 4];
+/// Steps for each degree of the polynomial, beside one.
+const STEPS_OF_DEGREE: usize = 2;
+/// Places at which the lowest point of a polynomial is looked for.
+const PLACES: usize = 200;
+/// Halvings after which its place is known to round-off.
+const HALVINGS: usize = 50;
 
 /// What the vibrometer makes of one step.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -37,12 +45,13 @@ pub struct FittedPeak {
 }
 
 impl StepSineSettings {
-    /// Frequencies around a resonance at `frequency` whose half-power half-width is `half_width`, in its unit. Ascending.
+    /// Frequencies around a resonance at `frequency` whose half-power half-width is `half_width`, in its unit. Ascending. Their middle is
+    /// `shift` steps away from the resonance, which a laboratory does not know.
     #[must_use]
-    pub fn frequencies(&self, frequency: f64, half_width: f64) -> Vec<f64> {
+    pub fn frequencies(&self, frequency: f64, half_width: f64, shift: f64) -> Vec<f64> {
         let reach = self.half_widths * half_width;
         let middle = 0.5 * (self.steps - 1) as f64;
-        let place = |i: usize| frequency + reach * (i as f64 - middle) / middle;
+        let place = |i: usize| frequency + reach * (i as f64 + shift - middle) / middle;
         (0..self.steps).map(place).collect()
     }
 
@@ -102,8 +111,9 @@ fn displacement(harmonics: &[usize], motion: &[f64], theta: f64) -> f64 {
     motion[0] + waves.sum::<f64>()
 }
 
-/// The maximum of a curve through steps of ascending frequency. 1/A² of one oscillator is nearly a parabola in the frequency; its scatter about the
-/// fitted one gives the deviations. Absent where too few steps lie around the largest one, or the parabola has no maximum of A among them.
+/// The maximum of a curve through steps of ascending frequency: 1/A² is nearly a polynomial in the frequency. The scatter about it and what one
+/// degree more or less changes give the deviations. Absent where too few steps lie around the largest one, or a polynomial has no maximum of A
+/// among them.
 #[must_use]
 pub fn fitted_peak(steps: &[Step]) -> Option<FittedPeak> {
     let top =
@@ -117,40 +127,100 @@ pub fn fitted_peak(steps: &[Step]) -> Option<FittedPeak> {
     if fitted.len() < FEWEST_STEPS || highest <= 0.0 {
         return None;
     }
-    // y = (A_max/A)² over x in [-1, 1]; an error of A counts alike at all of them: σ_y = 2 y^(3/2) σ_A / A_max
-    let place = |f: f64| (f - steps[top].frequency_hz) / scale;
-    let row = |x: f64| Vector3::new(1.0, x, x * x);
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    let points = fitted.iter().map(|step| {
-        let y = (highest / step.amplitude_m).powi(2);
-        (place(step.frequency_hz), y, y.powi(-3))
-    });
-    let points: Vec<(f64, f64, f64)> = points.collect();
-    for &(x, y, weight) in &points {
-        normal += weight * row(x) * row(x).transpose();
-        right += weight * y * row(x);
-    }
-    let inverse = normal.try_inverse()?;
-    let curve = inverse * right;
-    let rest = (points.iter()).map(|&(x, y, weight)| weight * (y - row(x).dot(&curve)).powi(2));
-    let variance = rest.sum::<f64>() / (points.len() - 3) as f64;
-    let x = -0.5 * curve[1] / curve[2];
-    let y = row(x).dot(&curve);
-    let inside = points.first()?.0 < x && x < points.last()?.0;
-    if !(curve[2] > 0.0 && inside && y > 0.0) {
-        return None;
-    }
-    // by the curve's coefficients: x = −b/2c, y at its minimum
-    let of_x = Vector3::new(0.0, -0.5 / curve[2], 0.5 * curve[1] / curve[2].powi(2));
-    let of_y = row(x);
-    let deviation = |of: Vector3<f64>| (variance * (of.transpose() * inverse * of)[0]).sqrt();
-    let amplitude_m = highest / y.sqrt();
+    let point = |step: &Step| Fitted {
+        x: (step.frequency_hz - steps[top].frequency_hz) / scale,
+        y: (highest / step.amplitude_m).powi(2),
+    };
+    let points: Vec<Fitted> = fitted.iter().map(point).collect();
+    let [least, most] = DEGREES;
+    let degree = ((points.len() - 1) / STEPS_OF_DEGREE).clamp(least, most);
+    let other = if degree > least {
+        degree - 1
+    } else {
+        degree + 1
+    };
+    let [lowest, other] = [degree, other].map(|degree| Lowest::of_polynomial(&points, degree));
+    let (lowest, other) = (lowest?, other?);
+    let amplitude = |at: &Lowest| highest / at.y.sqrt();
+    let amplitude_m = amplitude(&lowest);
+    let of_x = lowest.deviations[0].hypot(lowest.x - other.x);
+    let of_y = 0.5 * amplitude_m / lowest.y * lowest.deviations[1];
     Some(FittedPeak {
-        frequency_hz: steps[top].frequency_hz + scale * x,
+        frequency_hz: steps[top].frequency_hz + scale * lowest.x,
         amplitude_m,
-        frequency_deviation_hz: scale * deviation(of_x),
-        amplitude_deviation_m: 0.5 * amplitude_m / y * deviation(of_y),
+        frequency_deviation_hz: scale * of_x,
+        amplitude_deviation_m: of_y.hypot(amplitude_m - amplitude(&other)),
     })
+}
+
+/// A step in the coordinates of the fit.
+#[derive(Debug, Clone, Copy)]
+struct Fitted {
+    /// Frequency from that of the largest step, over the range of the steps that are fitted.
+    x: f64,
+    /// (A_max/A)².
+    y: f64,
+}
+
+/// The lowest point of a polynomial through steps, with the standard deviations of `x` and `y` by the scatter of the steps.
+struct Lowest {
+    x: f64,
+    y: f64,
+    deviations: [f64; 2],
+}
+
+impl Lowest {
+    /// That of the polynomial of the degree `degree`, if it lies among the steps.
+    fn of_polynomial(points: &[Fitted], degree: usize) -> Option<Self> {
+        let powers = |x: f64, from: usize, of: fn(f64) -> f64| {
+            let power = |k: usize| x.powi(k.saturating_sub(from) as i32);
+            DVector::from_fn(degree + 1, |k, _| of(k as f64) * power(k))
+        };
+        let row = |x: f64| powers(x, 0, |_| 1.0);
+        let slope = |x: f64| powers(x, 1, |k| k);
+        let bend = |x: f64| powers(x, 2, |k| k * (k - 1.0));
+        let mut normal = DMatrix::zeros(degree + 1, degree + 1);
+        let mut right = DVector::zeros(degree + 1);
+        // an error of A counts alike at all of them: σ_y = 2 y^(3/2) σ_A / A_max
+        for point in points {
+            let (weight, row) = (point.y.powi(-3), row(point.x));
+            normal += weight * &row * row.transpose();
+            right += weight * point.y * row;
+        }
+        let inverse = normal.try_inverse()?;
+        let curve = &inverse * right;
+        let missed =
+            |point: &Fitted| point.y.powi(-3) * (point.y - row(point.x).dot(&curve)).powi(2);
+        let freedom = points.len().checked_sub(degree + 1).filter(|n| *n > 0)?;
+        let variance = points.iter().map(missed).sum::<f64>() / freedom as f64;
+        let (from, to) = (points.first()?.x, points.last()?.x);
+        let at = |i: usize| from + (to - from) * i as f64 / PLACES as f64;
+        let height = |i: usize| row(at(i)).dot(&curve);
+        let lowest = (0..=PLACES).min_by(|a, b| height(*a).total_cmp(&height(*b)))?;
+        if lowest == 0 || lowest == PLACES {
+            return None;
+        }
+        let [mut before, mut after] = [at(lowest - 1), at(lowest + 1)];
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (before + after);
+            match slope(middle).dot(&curve) < 0.0 {
+                true => before = middle,
+                false => after = middle,
+            }
+        }
+        let x = 0.5 * (before + after);
+        let (y, bend) = (row(x).dot(&curve), bend(x).dot(&curve));
+        if !(y > 0.0 && bend > 0.0) {
+            return None;
+        }
+        // by the curve's coefficients: the slope is 0 at x, the height there is y
+        let deviation = |of: DVector<f64>| (variance * of.dot(&(&inverse * &of))).sqrt();
+        Some(Self {
+            x,
+            y,
+            deviations: [deviation(slope(x) / bend), deviation(row(x))],
+        })
+    }
 }
 
 /// The largest step in place of a maximum, where the response jumps beside it. The peak lies within a step of it; its amplitude is known to what the

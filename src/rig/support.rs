@@ -6,7 +6,12 @@
 //! transducers' is shared: by the decoupling factor of i at the largest offset transducer i reads so much of it, the other one the rest.
 
 use crate::setting::{BadSetting, non_negative, positive, within};
-use crate::units::n_per_um_to_n_per_m;
+use crate::units::{n_per_um_to_n_per_m, rad_s_to_hz};
+
+/// Masses of a measuring box that can be meant (kg).
+const MASS_KG: [f64; 2] = [1e-6, 1e3];
+/// Stiffnesses of its support that can be meant (N/µm).
+const STIFFNESS_N_PER_UM: [f64; 2] = [1e-6, 1e6];
 
 /// The support.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
@@ -52,9 +57,9 @@ impl SupportSettings {
     /// # Errors
     /// [`BadSetting`] with a key relative to `[support]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
-        positive("box_mass_kg", self.box_mass_kg)?;
-        positive("k11_n_per_um", self.k11_n_per_um)?;
-        positive("k22_n_per_um", self.k22_n_per_um)?;
+        within("box_mass_kg", self.box_mass_kg, MASS_KG)?;
+        within("k11_n_per_um", self.k11_n_per_um, STIFFNESS_N_PER_UM)?;
+        within("k22_n_per_um", self.k22_n_per_um, STIFFNESS_N_PER_UM)?;
         let bound = self.k11_n_per_um.min(self.k22_n_per_um);
         let rule = "must be smaller than k11_n_per_um and k22_n_per_um";
         let small = self.k12_n_per_um.abs() < bound;
@@ -74,6 +79,13 @@ impl SupportSettings {
     #[must_use]
     pub fn stiffness(&self) -> [f64; 3] {
         [self.k11_n_per_um, self.k22_n_per_um, self.k12_n_per_um].map(n_per_um_to_n_per_m)
+    }
+
+    /// Frequency of the box on K11 alone (Hz).
+    #[must_use]
+    pub fn own_frequency_hz(&self) -> f64 {
+        let [k11, ..] = self.stiffness();
+        rad_s_to_hz((k11 / self.box_mass_kg).sqrt())
     }
 
     /// Damping over stiffness (s): 2ζ/ω of the box on K11.

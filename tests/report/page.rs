@@ -173,6 +173,8 @@ fn curves_above_the_peak_are_told() {
         notice.contains(" 1 of ") && notice.contains(expected),
         "{notice}"
     );
+    study.record.provenance.peak_mode = Some(2);
+    assert_eq!(said(&study), None, "the peak of one mode");
 }
 
 /// Without curves nobody has looked for several answers, and margins say so. Seen to fail with nothing said.

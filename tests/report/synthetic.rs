@@ -283,6 +283,7 @@ pub(crate) fn provenance() -> Provenance {
         highest_harmonic: Some(9),
         compared_with: Some(20),
         followed_modes: Vec::new(),
+        peak_mode: None,
     }
 }
 

@@ -105,7 +105,17 @@ const DAMAGES: &[(&str, &str, &str)] = &[
     (
         "\"air\"",
         "\"air\"\nholes = 30",
-        "rig.toml:10: loading.holes = 30: must leave a film",
+        "rig.toml:10: loading.holes = 30: must leave a film below 0.528282 of the inlet's absolute pressure (with hole_mm = 1, gap_mm = 0.1",
+    ),
+    (
+        "\"air\"",
+        "\"air\"\nhole_mm = 3",
+        "loading.margin_mm = 1: must be at least half of hole_mm, 1.5",
+    ),
+    (
+        "\"air\"",
+        "\"air\"\nregulator_noise_percent = 300",
+        "rig.toml:10: loading.regulator_noise_percent = 300: must be from 0 to 20",
     ),
     (
         "\"air\"",
@@ -131,7 +141,7 @@ const DAMAGES: &[(&str, &str, &str)] = &[
     (
         "= 100\n",
         "= 7\n",
-        "rig.toml:15: excitation.samples_per_cycle = 7: must be at least 16, as `identify` needs",
+        "rig.toml:15: excitation.samples_per_cycle = 7: must be at least 16: `identify` takes no fewer",
     ),
     (
         "= 100\n",
@@ -147,6 +157,11 @@ const DAMAGES: &[(&str, &str, &str)] = &[
         "= 100\n",
         "= 100\n[support]\nk12_n_per_um = 200",
         "support.k12_n_per_um = 200: must be",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[support]\nbox_mass_kg = 1e300",
+        "rig.toml:17: support.box_mass_kg = 1e300: must be from 1e-6 to 1000",
     ),
     (
         "= 100\n",
@@ -194,6 +209,51 @@ const DAMAGES: &[(&str, &str, &str)] = &[
         "rig.toml:16: excitation.amplitude_um = 5: must not be given with [blade]",
     ),
 ];
+
+/// Tests that would take days are refused: too many, too many samples, too long a vibration of a blade. Seen to fail without the bounds of all tests
+/// together: each key is within its own.
+#[test]
+fn tests_that_take_days_are_refused() {
+    let many = RIG.replace("specimens = 2", "specimens = 10000");
+    for (text, expected) in [
+        (
+            many.replace("cycles = 2\n", "cycles = 2\nrepetitions = 10\n"),
+            "rig.toml:5: contact.specimens = 10000: must give at most 100000 tests, not 200000",
+        ),
+        (
+            many.replace("cycles = 2\n", "cycles = 10000\n"),
+            "rig.toml:13: excitation.cycles = 10000: gives 2.0e10 samples in all tests, must give at most 1e10",
+        ),
+        (
+            format!("{RIG}[blade]\nsettling_cycles = 1000000\n").replace("[50, 100]", "[1, 2]"),
+            "rig.toml:17: blade.settling_cycles = 1000000: gives 3.0e6 s of vibration in all tests, must give at most 1e5 s",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = run(folder.path(), &text, &[]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(error.contains(expected), "{error}");
+        assert_eq!(output.status.code(), Some(2), "{error}");
+    }
+}
+
+/// A sampling rate below twice the frequency of the box is told, unless the test is so slow that the box hardly moves. Seen to fail with the
+/// sampling rate compared with the frequency of the test.
+#[test]
+fn a_rate_that_hides_the_box_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let warnings = |samples: &str, frequency: &str| {
+        let text = RIG.replace("= 100\n", samples);
+        let text = text.replace("[50, 100]", frequency);
+        let rig = Rig::parse(&folder.path().join("rig.toml"), &text).unwrap();
+        rig.warnings()
+    };
+    let told = warnings("= 64\n", "[100]");
+    let expected = "excitation.samples_per_cycle = 64: at 100 Hz the sampling rate is below twice the 5033 Hz of the measuring box";
+    assert!(told[0].starts_with(expected), "{told:?}");
+    assert!(warnings("= 500\n", "[100]").is_empty(), "500 samples");
+    assert!(warnings("= 64\n", "[5]").is_empty(), "5 Hz");
+}
 
 /// A blade shows frequencies from 1 Hz to 5 kHz. Seen to fail with a wider range.
 #[test]
@@ -356,7 +416,8 @@ fn the_log_ends_with_the_tests() {
 #[test]
 fn an_instrument_at_the_end_of_its_range_is_a_warning() {
     let folder = tempfile::tempdir().unwrap();
-    let text = format!("{RIG}\n[vibrometer]\nsensitivity_um_per_v = 0.1\n");
+    let shown = RIG.replace("samples_per_cycle = 100", "samples_per_cycle = 250");
+    let text = format!("{shown}\n[vibrometer]\nsensitivity_um_per_v = 0.1\n");
     let output = run(folder.path(), &text, &["--quiet"]);
     assert!(output.status.success(), "{output:?}");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -49,8 +49,8 @@ fn the_film_follows_the_inlet_in_absolute_pressure() {
 /// Seen to fail with an even pressure, and with the whole weight on one side.
 #[test]
 fn a_punch_presses_its_edges_above_its_mean() {
-    let rig = rig("name = \"p\"\n[loading]\nkind = \"punch\"");
-    let map = rig.load_map().unwrap();
+    let punch = rig("name = \"p\"\n[loading]\nkind = \"punch\"");
+    let map = punch.load_map().unwrap();
     println!("{:?}", map.pressure);
     let load: f64 = map.loads.iter().sum();
     assert!((load - 10.0 * 9.80665).abs() < 1e-9, "{load} N");
@@ -61,6 +61,14 @@ fn a_punch_presses_its_edges_above_its_mean() {
         map.pressure
     );
     assert!(map.pressure.within_tenth < 0.5, "{:?}", map.pressure);
+    // the same on cells: the share of the profile, not of cells that happen to lie there
+    let fine = "name = \"p\"\n[strip]\ncontact_nodes = [30, 12]\n[loading]\nkind = \"punch\"";
+    let fine = rig(fine).load_map().unwrap();
+    let close = |share: f64, error: f64| (share - 0.1087).abs() < error;
+    assert!(
+        close(map.pressure.within_tenth, 1e-4) && close(fine.even_area(), 0.05),
+        "{fine:?}"
+    );
 }
 
 /// Two blades feel the load of every contact cell on both sides of the gap; a punch is carried by the strip. Seen to fail with the load of one

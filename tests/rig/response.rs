@@ -27,7 +27,8 @@ fn refused_response(study: &str) -> String {
         let text = format!("{head}{sections}[frequency]\nband_hz = [2605, 2635]\n");
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    let text = format!("{RIG}[response]\nstudy = \"{study}\"\n");
+    let shown = RIG.replace("samples_per_cycle = 100", "samples_per_cycle = 250");
+    let text = format!("{shown}[response]\nstudy = \"{study}\"\n");
     let output = run(folder.path(), &text, &[]);
     assert_eq!(output.status.code(), Some(2), "{study}: {output:?}");
     String::from_utf8_lossy(&output.stderr).into_owned()

@@ -1,6 +1,6 @@
 //! The peaks of the samples that count as solutions.
 
-use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use crate::ensemble::outcome::{LevelOutcome, Maximum, PeakRecord, SampleOutcome};
 use crate::hb::{ContactFractions, Status};
 use crate::statistics::{Sorted, moments};
 
@@ -14,6 +14,24 @@ pub(in crate::report) fn usable_peak(level: &LevelOutcome) -> Option<PeakRecord>
 /// The peak of a level if it may stand for the blade.
 pub(in crate::report) fn trusted_peak(level: &LevelOutcome) -> Option<PeakRecord> {
     usable_peak(level).filter(|_| level.status.is_trusted())
+}
+
+/// Amplitude that a sweep meets over that of the peak from which on it is above the peak: three times the error of a curve.
+const HIGHER: f64 = 1.01;
+
+/// The largest amplitude that sweeps through the band meet, if it is above the peak and away from it by more than half the width of the
+/// resonance: a maximum that was not found, or an end of the band. At the peak itself sweeps differ by the harmonics that they lack.
+pub(in crate::report) fn above_peak(level: &LevelOutcome) -> Option<Maximum> {
+    let (peak, sweeps) = (usable_peak(level)?, level.around.sweeps()?);
+    let [up, down] = [sweeps.upward, sweeps.downward];
+    let top = if up.amplitude_m > down.amplitude_m {
+        up
+    } else {
+        down
+    };
+    let half_width = peak.damping_ratio.get().unwrap_or(0.0);
+    let away = (top.frequency_hz / peak.frequency_hz - 1.0).abs() > half_width;
+    (away && top.amplitude_m > HIGHER * peak.amplitude_m).then_some(top)
 }
 
 /// The status under which a level is counted: a claimed solution without a usable peak is no solution.

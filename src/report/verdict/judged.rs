@@ -5,11 +5,11 @@
 
 use super::criterion_result::{LevelResult, NumericalWidth, Power, Unknown};
 use super::numerical_error::{NumericalErrors, Solved};
-use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use crate::ensemble::outcome::{LevelOutcome, Maximum, PeakRecord, SampleOutcome};
 use crate::report::asked::requirement::{Criterion, Operation, RequiredQuantity, Stress};
 use crate::report::numbers::allowable::{allowable_amplitude_m, factor};
 use crate::report::numbers::margins::smallest_margin;
-use crate::report::numbers::peaks::{trusted_peak, usable_peak};
+use crate::report::numbers::peaks::{above_peak, trusted_peak, usable_peak};
 use crate::report::run::input::ReportInput;
 use crate::statistics::{
     Counted, Criterion as Rule, Demonstration, Enclosed, Interval, Judgement, Limit, Observed,
@@ -87,7 +87,10 @@ impl Judged<'_> {
 
     /// One result per sample, in the unit of the limit of each sample; NaN where none is to be trusted.
     pub(super) fn results(&self) -> Vec<Enclosed> {
-        let of = |o: &SampleOutcome| trusted_peak(&o.levels[self.level]).map(|p| self.enclosed(&p));
+        let of = |o: &SampleOutcome| {
+            let level = &o.levels[self.level];
+            Some(self.enclosed(&trusted_peak(level)?, self.above_peak(level)))
+        };
         let outcomes = self.input.outcomes.iter();
         outcomes
             .map(|o| of(o).unwrap_or(Enclosed::UNKNOWN))
@@ -102,9 +105,21 @@ impl Judged<'_> {
         }
     }
 
-    fn enclosed(&self, peak: &PeakRecord) -> Enclosed {
-        let frequency = self.errors.frequency(peak);
-        let amplitude = self.errors.amplitude(peak);
+    /// What a sweep meets above the peak, unless the peak is that of one mode.
+    fn above_peak(&self, level: &LevelOutcome) -> Option<Maximum> {
+        let of_one_mode = self.input.record.provenance.peak_mode.is_some();
+        above_peak(level).filter(|_| !of_one_mode)
+    }
+
+    /// The result of a peak; where a sweep meets more, the peak may be there.
+    fn enclosed(&self, peak: &PeakRecord, above: Option<Maximum>) -> Enclosed {
+        let mut frequency = self.errors.frequency(peak);
+        let mut amplitude = self.errors.amplitude(peak);
+        if let Some(above) = above {
+            frequency.lower = frequency.lower.min(above.frequency_hz);
+            frequency.upper = frequency.upper.max(above.frequency_hz);
+            amplitude.upper = amplitude.upper.max(above.amplitude_m);
+        }
         let requirements = &self.input.record.requirements;
         match (
             self.criterion.quantity,

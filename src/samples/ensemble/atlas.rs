@@ -12,6 +12,7 @@ use crate::hb::peak::maxima::Maxima;
 use crate::hb::peak::predicted::PeakPrediction;
 use faer::prelude::c64;
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Solved samples by their place in the unit cube of the inputs.
@@ -259,16 +260,14 @@ impl Atlas {
         (self.anchors.iter()).min_by(|a, b| to(a).total_cmp(&to(b)))
     }
 
-    /// Modes of the nearest anchor at level number `level`.
-    pub(super) fn modes_near(&self, place: &[f64], level: usize) -> Vec<usize> {
-        let near = self.nearest_anchor(place);
-        near.map_or_else(Vec::new, |anchor| {
-            anchor.peaks[level]
-                .0
-                .iter()
-                .map(|(mode, _)| *mode)
-                .collect()
-        })
+    /// Modes at level number `level` of the nearest anchors, one more than there are inputs, ascending.
+    pub(super) fn modes_near(&self, place: &[f64], level: usize) -> BTreeSet<usize> {
+        let to = |anchor: &&Anchor| distance(place, &anchor.place);
+        let mut near: Vec<&Anchor> = self.anchors.iter().collect();
+        near.sort_by(|a, b| to(a).total_cmp(&to(b)));
+        let near = near.into_iter().take(place.len() + 1);
+        let modes = near.flat_map(|anchor| anchor.peaks[level].0.iter());
+        modes.map(|(mode, _)| *mode).collect()
     }
 
     /// The predicted peak at `at`; `None` if no anchor has a peak of this mode at this level.

@@ -22,6 +22,8 @@ use std::cell::OnceCell;
 /// If the found amplitude differs from the predicted one by this relative distance or more, the solution may lie on another
 /// branch and is not accepted.
 const SURPRISE: f64 = 0.2;
+/// From this relative distance on it may be another maximum of the branch than that of the other samples: the branch is followed.
+const DOUBT: f64 = 0.03;
 /// First and smallest step from an anchor towards a sample, as a share of their distance.
 const STEPS: [f64; 2] = [0.5, 1.0 / 64.0];
 /// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they are only starts for the next
@@ -80,6 +82,7 @@ impl Ensemble<'_> {
                 let (mut peak, is_own) = self.of_this_mode(of, tracked, &shapes);
                 peak.count += search.peak.count;
                 search.is_own = is_own;
+                search.is_doubtful = false;
                 search.peak = peak;
             }
         }
@@ -139,20 +142,25 @@ impl Ensemble<'_> {
         effort.grant(self.settings.newton.budget);
         let before = effort.count();
         let at = of.at(level);
-        let mut others = Vec::new();
+        let (mut others, mut expected) = (Vec::new(), None);
         let found = atlas.predict(&at).and_then(|prediction| {
             let prediction = prediction.at_level(of.levels[level]);
+            expected = Some(prediction.amplitude);
             let anchored = self.anchored_from_lane(of, &at, atlas, &prediction);
             let predicted = anchored.or_else(|| self.predicted(of, level, prediction, &mut others));
             predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, &mut others))
         });
         let count = effort.count().since(before);
+        let expected = found.as_ref().zip(expected);
+        let is_doubtful = expected
+            .is_some_and(|(found, amplitude)| apart(found.amplitude(0), amplitude) >= DOUBT);
         let peak = match found {
             Some(solution) => LevelPeak::found(solution, count),
             None => LevelPeak::failed(of.levels[level], Status::StepTooSmall, count),
         };
         ModeSearch {
             others,
+            is_doubtful,
             ..ModeSearch::from(peak)
         }
     }
@@ -299,5 +307,10 @@ impl Ensemble<'_> {
 
 /// Whether an amplitude is too far from the predicted one to lie on the same branch.
 fn surprising(found: f64, predicted: f64) -> bool {
-    (found / predicted - 1.0).abs() >= SURPRISE
+    apart(found, predicted) >= SURPRISE
+}
+
+/// Relative distance of an amplitude from the predicted one.
+fn apart(found: f64, predicted: f64) -> f64 {
+    (found / predicted - 1.0).abs()
 }

@@ -12,14 +12,15 @@ use super::outcome::{
 use super::shared::{Ensemble, SampleSolver};
 use super::times::SampleTimes;
 use crate::hb::newton::rest::stiffness_at_rest;
-use crate::hb::peak::branch_maximum::higher_on_branch;
-use crate::hb::peak::maxima::{Maxima, ON_BRANCH, add_higher_on_branches, search_maxima};
+use crate::hb::peak::branch_maximum::others_on_branch;
+use crate::hb::peak::maxima::{Maxima, ON_BRANCH, add_others_on_branches, search_maxima};
 use crate::hb::peak::predicted::on_harmonics;
 use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, HbSettings, Problem, ProblemError, Solution, StabilityScope, Status};
 use crate::sampling::design::in_32_bits;
 use crate::units::rad_s_to_hz;
+use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
@@ -223,6 +224,7 @@ impl Ensemble<'_> {
     ) -> Result<Vec<Maxima>, ProblemError> {
         let stiffness = stiffness_at_rest(problem, self.settings.aft, self.peak.band.low);
         let modes = candidates(problem.model, &stiffness, self.peak.band)?;
+        let mut lost = vec![false; levels.len()];
         let search = |mode: &Candidate, wanted: &[usize], known: &[Maxima]| {
             let of_mode = ModeOfSample {
                 problem,
@@ -231,10 +233,13 @@ impl Ensemble<'_> {
                 place,
                 known,
             };
-            Ok::<_, ProblemError>(self.of_mode(&of_mode, wanted, atlas))
+            let found = self.of_mode(&of_mode, wanted, atlas);
+            for (level, found) in wanted.iter().zip(&found) {
+                lost[*level] |= found.is_doubtful;
+            }
+            Ok::<_, ProblemError>(found)
         };
         let mut maxima = search_maxima(&modes, self.choice, levels, search)?;
-        let mut lost = vec![false; levels.len()];
         for (level, lost) in lost.iter_mut().enumerate() {
             for mode in modes_on_branches(&modes, &atlas.modes_near(place, level)) {
                 let of_mode = ModeOfSample {
@@ -248,8 +253,8 @@ impl Ensemble<'_> {
                 *lost |= !maxima[level].add_predicted_on_branch(mode.mode, found);
             }
         }
-        let along = |found: &Solution| higher_on_branch(problem, self.settings, self.peak, found);
-        add_higher_on_branches(&mut maxima, self.choice, &lost, along);
+        let along = |found: &Solution| others_on_branch(problem, self.settings, self.peak, found);
+        add_others_on_branches(&mut maxima, self.choice, &lost, along);
         Ok(maxima)
     }
 
@@ -338,7 +343,7 @@ impl Ensemble<'_> {
 }
 
 /// Of the modes `near` that are maxima on the branches of others, those of the sample's own `candidates`.
-fn modes_on_branches(candidates: &[Candidate], near: &[usize]) -> Vec<Candidate> {
+fn modes_on_branches(candidates: &[Candidate], near: &BTreeSet<usize>) -> Vec<Candidate> {
     let on_branch = near.iter().filter(|mode| **mode >= ON_BRANCH);
     let of_sample = |&mode: &usize| {
         let mut own = candidates.iter();

@@ -19,6 +19,7 @@ use crate::report::run::{
 use crate::sampling::DesignKind;
 use crate::study::estimate::inspect::{NodalFrequencies, nodal_diameters};
 use crate::study::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
+use crate::study::settings::frequency::PeakSetting;
 use crate::study::settings::model::{CyclicSettings, ModelSettings, SectorSettings};
 use crate::study::settings::read::Study;
 use crate::units::rad_s_to_hz;
@@ -278,5 +279,9 @@ pub(super) fn provenance(prepared: &PreparedStudy) -> Provenance {
         highest_harmonic: solver.alert.map(|alert| alert.highest_harmonic),
         compared_with: solver.alert.map(|alert| alert.compared_with),
         followed_modes: prepared.followed_modes.clone(),
+        peak_mode: match study.frequency.peak {
+            PeakSetting::Mode(number) => Some(number),
+            PeakSetting::Highest | PeakSetting::All => None,
+        },
     }
 }

@@ -155,6 +155,49 @@ pub(super) fn open_contact() -> Case {
     two_masses([1.2, 1.2], -0.5, rows, contact)
 }
 
+/// Four coupled masses with two contacts, one preloaded, one with a gap, which open for most of the period at their resonance; the contact
+/// stiffnesses times `stiffness`.
+pub(super) fn four_masses(friction: f64, stiffness: f64) -> Case {
+    let rows = [
+        [vec![(0, 1.0), (2, -1.0)], vec![], vec![(1, -0.5), (3, 1.0)]],
+        [
+            vec![(0, 0.3), (1, 1.0), (2, -1.0), (3, 0.2)],
+            vec![],
+            vec![(0, 0.4), (3, 0.7)],
+        ],
+    ];
+    let contacts = [(3.0, 2.0, 0.3), (2.0, 1.5, -0.2 * stiffness)];
+    let contacts = contacts.map(|(k_n, k_t, n_0)| ContactParameters {
+        k_n: stiffness * k_n,
+        k_t: [stiffness * k_t, 0.0],
+        mu: friction,
+        n_0,
+        anchor: [0.0; 2],
+    });
+    let rows = rows.into_iter().enumerate();
+    let mut model = assembled(
+        [
+            &[1.0, 0.8, 0.3, 0.3],
+            &[0.04, 0.04, 0.06, 0.06],
+            &[1.0, 1.5, 0.3, 0.5],
+        ],
+        None,
+        rows.map(|(i, rows)| pair(i, rows, 0)).collect(),
+    );
+    for (i, j, mass) in [(0, 1, 0.2), (0, 3, 0.1), (1, 2, 0.1), (2, 3, 0.05)] {
+        (model.mass[(i, j)], model.mass[(j, i)]) = (mass, mass);
+    }
+    (model.stiffness[(0, 1)], model.stiffness[(1, 0)]) = (-0.3, -0.3);
+    model.static_force = vec![0.2, -0.1, 0.05, 1.0];
+    model.cosine_force = vec![1.0, 0.0, 0.0, 0.1];
+    model.sine_force = vec![0.0, 0.7, 0.05, 0.0];
+    model.responses[0].row = vec![(0, 1.0), (1, -0.5), (2, 0.2)];
+    Case {
+        model,
+        contacts: contacts.into(),
+    }
+}
+
 /// Place a (m) of a node along the strip's width, blade (0 or 1), and motion of the platform there in the normal
 /// direction per motion of the blade in the tangential one.
 const NODES: [(f64, usize, f64); 4] = [

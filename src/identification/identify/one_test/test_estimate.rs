@@ -23,6 +23,9 @@ use crate::record::HysteresisRecord;
 use crate::statistics::hull;
 use crate::units::n_per_m_to_n_per_um;
 
+/// Swing of the force of a contact that nowhere slips as a whole, over that of one that sticks, at least.
+const LEAST_OF_STUCK: f64 = 0.1;
+
 /// What one test says, with what its record states of the pressure.
 #[must_use]
 pub fn identify_test(record: &HysteresisRecord, settings: &IdentifySettings) -> TestResult {
@@ -74,6 +77,16 @@ fn identified(
     }
 }
 
+/// Refuses a loop without plateaus that is much flatter than its stick branches: it slips, but nothing tells at which force.
+fn check_stick(cycle: &MeanLoop, numbers: &LoopNumbers) -> Result<(), String> {
+    let stuck = numbers.stick().unwrap_or(0.0) * swing(&cycle.displacement);
+    let is_stuck = numbers.friction.is_some() || swing(&cycle.tangential) > LEAST_OF_STUCK * stuck;
+    let samples = cycle.samples();
+    is_stuck.then_some(()).ok_or_else(|| {
+        format!("slips, but no plateau is told from its turns: more samples of a cycle than {samples} may show one")
+    })
+}
+
 /// The numbers of a test, of its mean loop and of its batches.
 struct Test<'a> {
     settings: &'a IdentifySettings,
@@ -103,6 +116,7 @@ impl<'a> Test<'a> {
             shape = shape_without_slip(&steady.mean, steady.batches())?;
             mean = LoopNumbers::of(&steady.mean, &shape);
         }
+        check_stick(&steady.mean, &mean)?;
         let series = Series::of(settings);
         let of_each = |loops: &[MeanLoop]| -> Vec<LoopNumbers> {
             loops

@@ -8,16 +8,13 @@ use crate::page::display::{DASH, count, duration, hertz, percent, significant, s
 use crate::report::asked::requirement::{Criterion, RequiredQuantity};
 use crate::report::assessment::pooling;
 use crate::report::numbers::margins::smallest_margin;
-use crate::report::numbers::peaks::usable_peak;
+use crate::report::numbers::peaks::{above_peak, usable_peak};
 use crate::report::numbers::summary::Summary;
 use crate::report::page::statistic_cell::{bound_cell, limits};
 use crate::report::page::view::View;
 use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};
 use crate::report::verdict::sentence::{power, reasons, shown, stated_limit, word};
 use crate::statistics::Judgement;
-
-/// Amplitude of a curve over that of the peak from which on it is above the peak: three times the error of a curve.
-const HIGHER: f64 = 1.01;
 
 pub(super) fn section(view: &View) -> Section {
     let notices = notices(view);
@@ -366,37 +363,34 @@ fn lower_maxima_notice(view: &View, i: usize) -> Option<String> {
     ))
 }
 
-/// In how many samples a sweep through the band meets more than the peak at level `i`: at an end of the band, as a rule; absent for none.
+/// In how many samples a sweep through the band meets more than the peak at level `i`: at an end of the band, as a rule; absent for none, and where
+/// the peak is that of one mode.
 fn higher_curves_notice(view: &View, i: usize) -> Option<String> {
-    let (mut curves, mut higher) = (0, 0);
-    let mut farthest = (1.0, 0.0);
-    for sample in view.input.outcomes {
-        let level = &sample.levels[i];
-        let (Some(peak), Some(sweeps)) = (usable_peak(level), level.around.sweeps()) else {
-            continue;
-        };
-        let [up, down] = [sweeps.upward, sweeps.downward];
-        let top = if up.amplitude_m > down.amplitude_m {
-            up
-        } else {
-            down
-        };
-        let ratio = top.amplitude_m / peak.amplitude_m;
-        curves += 1;
-        higher += usize::from(ratio > HIGHER);
-        if ratio > farthest.0 {
-            farthest = (ratio, top.frequency_hz);
-        }
+    if view.input.record.provenance.peak_mode.is_some() {
+        return None;
     }
-    (higher > 0).then(|| {
-        format!(
-            "The peak is the highest maximum of the amplitude in the band. At {} {higher} of {} go above it elsewhere, by up to {} at {} Hz: at an              end of the band, which is to be wider then, or on a part of the branch whose maximum was not found.",
-            view.level_name(i),
-            count(curves, "curve"),
-            percent(farthest.0 - 1.0),
-            hertz(farthest.1),
-        )
-    })
+    let levels = view.input.outcomes.iter().map(|sample| &sample.levels[i]);
+    let swept =
+        levels.filter(|level| usable_peak(level).is_some() && level.around.sweeps().is_some());
+    let curves = swept.clone().count();
+    let above = swept.filter_map(|level| {
+        let top = above_peak(level)?;
+        Some((top.amplitude_m / usable_peak(level)?.amplitude_m, top))
+    });
+    let above: Vec<(f64, Maximum)> = above.collect();
+    let (ratio, top) = above
+        .iter()
+        .copied()
+        .reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+    Some(format!(
+        "The peak is the highest maximum of the amplitude in the band. At {} {} of {} go above it elsewhere, by up to {} at {} Hz: at an \
+         end of the band, which is to be wider then, or on a part of the branch whose maximum was not found. Verdicts take these samples up to there.",
+        view.level_name(i),
+        above.len(),
+        count(curves, "curve"),
+        percent(ratio - 1.0),
+        hertz(top.frequency_hz),
+    ))
 }
 
 /// How many samples serve the sensitivity indices alone, and how many of them have no solution; absent without such.

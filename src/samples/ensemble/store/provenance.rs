@@ -46,6 +46,9 @@ pub struct Provenance {
     /// The modes that are searched in the band, where the study follows all modes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub followed_modes: Vec<FollowedMode>,
+    /// Number of the mode whose maximum is the peak, as `inspect` counts the stuck frequencies; absent where it is the highest one of the band.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_mode: Option<usize>,
 }
 
 /// A mode that a study follows.

@@ -1,19 +1,26 @@
-//! A higher maximum on the branch through one that was found.
+//! Other maxima on the branch through one that was found, which may be higher.
 //!
 //! A search leads to one maximum of the amplitude. Where contacts open, or the track of a mode is lost, a higher one may lie on the
 //! same branch. So the branch is followed from the maximum to both ends of the band, and searched on both sides close to it. A branch that
 //! cannot be followed to both ends may be one of several: then the band is swept, too.
+//!
+//! The branch is followed on the harmonics of the study, whose heights do not tell which maximum is the higher on enough harmonics. So each
+//! that comes near gets as many as the alert asks for. It is a start for other samples, too, where it may be the higher one.
 
 use super::band::{SWEEP_STEP, swept_maximum};
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
-use super::search::{BOTH_SIDES, Located, PeakSettings, higher, higher_on_both_sides, maximum_on};
+use super::search::{
+    BOTH_SIDES, Located, PeakSettings, find_peak, higher_on_both_sides, maximum_on,
+};
+use crate::harmonics::HarmonicSet;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::equations::balance::{Balance, balance_on};
 use crate::hb::equations::effort::WorkCount;
 use crate::hb::equations::problem::Problem;
-use crate::hb::newton::{Iterate, Point};
+use crate::hb::newton::ladder::climb;
+use crate::hb::newton::{Condition, Iterate, Point};
 use crate::hb::route::PeakRoute;
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
@@ -22,80 +29,148 @@ use std::ops::ControlFlow;
 
 /// Largest change of the frequency per step, as a share of the band.
 const ADVANCE: f64 = 0.1;
-/// Share by which the maximum must be higher.
+/// Share by which another maximum must be higher.
 const LEAST_GAIN: f64 = 1e-3;
+/// Another maximum competes that is at least so high beside the one found, on the harmonics of the study.
+const COMPETES: f64 = 0.92;
+/// Most such maxima.
+const MOST_COMPETING: usize = 1;
+/// Maxima of one branch on other harmonics are one up to this relative distance of frequency.
+const SAME: f64 = 5e-3;
 /// A step may hide a top that is so many times as high as its ends.
 const HIDDEN: f64 = 1.5;
 /// Newton iterations that may be spent on a branch.
 const BUDGET: usize = 3000;
 
-/// The highest maximum on the branch through the maximum `found`, with as many harmonics as the alert asks for, if it is higher; and the
-/// work. The branch is that on the harmonics of the study.
+/// Other maxima on the branch through the maximum `found`, with as many harmonics as the alert asks for, highest first on the branch, and the
+/// work: those that are higher there, and those that come near.
 ///
 /// None where all contacts stick at `found`, whose response is linear. Where the branch cannot be followed to the end of the band, the part
 /// that is known counts. The branch that begins at that end of the band is searched, too, unless `found` lies on it.
-pub fn higher_on_branch(
+pub fn others_on_branch(
     problem: &Problem<'_>,
     settings: &HbSettings,
     peak: PeakSettings,
     found: &Solution,
-) -> (Option<Solution>, WorkCount) {
+) -> (Vec<Solution>, WorkCount) {
     let effort = &problem.effort;
     let before = effort.count();
-    let higher = match found.contact.stick < 1.0 {
+    let others = match found.contact.stick < 1.0 {
         true => effort.with_own_budget(settings.newton.budget, || {
-            highest(problem, settings, peak, found)
+            others(problem, settings, peak, found)
         }),
-        false => None,
+        false => Vec::new(),
     };
-    (higher, effort.count().since(before))
+    (others, effort.count().since(before))
 }
 
-fn highest(
+fn others(
     problem: &Problem<'_>,
     settings: &HbSettings,
     peak: PeakSettings,
     found: &Solution,
-) -> Option<Solution> {
+) -> Vec<Solution> {
     let balance = balance_on(problem, settings.harmonics.clone(), settings);
-    let newton = settings.newton;
-    let start = on_harmonics(&balance, found, peak, newton).ok()?;
+    let Ok(start) = on_harmonics(&balance, found, peak, settings.newton) else {
+        return Vec::new();
+    };
     let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
+    let mut maxima = maxima_on_branch(&balance, &start, settings, peak, found);
+    let start = Located::from(Iterate::new(&balance, start));
+    let own = height(&start);
+    // on these harmonics the search may have led from `found` to another maximum
+    maxima.push(start);
+    maxima.sort_by(|a, b| height(b).total_cmp(&height(a)));
+    let competes = |other: &Located<'_>| match height(other) {
+        higher if higher > (1.0 + LEAST_GAIN) * own => true,
+        lower => lower >= COMPETES * own && !is_near(other, found.omega),
+    };
+    let mut others: Vec<Located<'_>> = Vec::new();
+    for other in maxima.into_iter().filter(competes) {
+        let omega = other.iterate.point.omega;
+        if !others.iter().any(|known| is_near(known, omega)) {
+            others.push(other);
+        }
+    }
+    others.truncate(MOST_COMPETING);
+    let refined = others.into_iter().map(|other| Solution {
+        route: Some(PeakRoute::OnBranch),
+        ..refined_beside(&balance, other, settings, peak, found)
+    });
+    refined.collect()
+}
+
+/// The maximum `other` of `balance` with as many harmonics as the alert asks for. Newton's method onto more of them may lead to the maximum
+/// `found`: then they are added one by one at the frequency of `other`, and its maximum is searched along the branch.
+fn refined_beside<'p>(
+    balance: &Balance<'p>,
+    other: Located<'p>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+    found: &Solution,
+) -> Solution {
+    let start = other.iterate.point.clone();
+    let refined = refined_maximum(balance, other, settings, peak);
+    let is_found = (refined.omega / found.omega - 1.0).abs() <= SAME;
+    let (few, orders) = (balance.harmonics.orders().len(), found.harmonics.orders());
+    if !is_found || few >= orders.len() {
+        return refined;
+    }
+    let sets = (few..=orders.len()).filter_map(|n| HarmonicSet::new(orders[..n].to_vec()).ok());
+    let rungs: Vec<Balance<'p>> = sets
+        .map(|set| balance_on(balance.problem, set, settings))
+        .collect();
+    let (last, newton) = (&rungs[rungs.len() - 1], settings.newton);
+    let climbed = climb(&rungs, start, Condition::FixedFrequency, newton);
+    match climbed.and_then(|beside| find_peak(last, beside, peak, newton)) {
+        Ok(located) => refined_maximum(last, located, settings, peak),
+        Err(_) => refined,
+    }
+}
+
+/// Whether the maximum is at the frequency `omega` (rad/s).
+fn is_near(located: &Located<'_>, omega: f64) -> bool {
+    (located.iterate.point.omega / omega - 1.0).abs() <= SAME
+}
+
+/// The maxima on the branch through `start`, the maximum `found` on the harmonics of `balance`, and the highest of the sweep through the
+/// band where that is made.
+fn maxima_on_branch<'p>(
+    balance: &Balance<'p>,
+    start: &Point,
+    settings: &HbSettings,
+    peak: PeakSettings,
+    found: &Solution,
+) -> Vec<Located<'p>> {
+    let (newton, effort) = (settings.newton, &balance.problem.effort);
     let least = 1.0 + LEAST_GAIN;
     let budget = newton.budget.min(BUDGET);
-    let (sides, beside) = problem.effort.with_own_budget(budget, || {
+    let (sides, beside) = effort.with_own_budget(budget, || {
         let sides = [SweepDirection::Downward, SweepDirection::Upward];
-        let sides = sides.map(|side| on_side(&balance, &start, side, settings, peak));
+        let sides = sides.map(|side| on_side(balance, start, side, settings, peak));
         // a step is longer than the distance of two maxima side by side
-        let start = Iterate::new(&balance, start.clone());
+        let start = Iterate::new(balance, start.clone());
         let n_starts = BOTH_SIDES.len();
-        let beside = higher_on_both_sides(&balance, &start, least, n_starts, peak, newton);
+        let beside = higher_on_both_sides(balance, &start, least, n_starts, peak, newton);
         (sides, beside)
     });
     let is_whole = sides.iter().all(|side| side.is_whole);
     let is_swept = found.route.is_some_and(PeakRoute::is_of_any_mode);
     let elsewhere = match is_whole || is_swept {
         true => None,
-        false => problem.effort.with_own_budget(newton.budget, || {
-            let balance = std::slice::from_ref(&balance);
+        false => effort.with_own_budget(newton.budget, || {
+            let balance = std::slice::from_ref(balance);
             swept_maximum(balance, found.level, peak, newton).ok()
         }),
     };
-    let own = Iterate::new(&balance, start).response(&balance).norm();
-    let maxima = sides.into_iter().flat_map(|side| side.highest);
-    let best = (maxima.chain(beside).chain(elsewhere))
-        .reduce(|best, other| higher(&balance, best, other))
-        .filter(|best| height(best) > least * own)?;
-    Some(Solution {
-        route: Some(PeakRoute::OnBranch),
-        ..refined_maximum(&balance, best, settings, peak)
-    })
+    let maxima = sides.into_iter().flat_map(|side| side.maxima);
+    maxima.chain(beside).chain(elsewhere).collect()
 }
 
 /// A branch from a maximum towards one end of the band.
 struct Side<'p> {
-    /// The highest maximum that it passes.
-    highest: Option<Located<'p>>,
+    /// The maxima that it passes, but for those far below another.
+    maxima: Vec<Located<'p>>,
     /// Whether it was followed to the end of the band.
     is_whole: bool,
 }
@@ -128,9 +203,8 @@ fn on_side<'p>(
         }
         ControlFlow::Continue(())
     });
-    let maxima = maxima.into_iter();
     Side {
-        highest: maxima.reduce(|best, other| higher(balance, best, other)),
+        maxima,
         is_whole: end.status == Status::Converged,
     }
 }

@@ -62,6 +62,8 @@ pub struct ModeSearch {
     pub others: Vec<Solution>,
     /// Whether the maximum is known to be that of the mode. A sweep through the band leads to the highest maximum, whatever its mode.
     pub is_own: bool,
+    /// Whether it was predicted from other samples with quite another amplitude: another maximum of its branch may be the one that they have.
+    pub is_doubtful: bool,
 }
 
 impl From<LevelPeak> for ModeSearch {
@@ -71,6 +73,7 @@ impl From<LevelPeak> for ModeSearch {
             peak,
             others: Vec::new(),
             is_own: true,
+            is_doubtful: false,
         }
     }
 }

@@ -14,8 +14,10 @@ use crate::hb::structure::resonance::Candidate;
 
 /// A mode is searched if its reach is at least this part of the highest maximum found so far.
 pub(crate) const COMPETES: f64 = 0.5;
-/// A higher maximum on the branch through that of mode m counts as one of the mode m plus this number, which the structure has not got.
+/// A maximum that is not known to be that of the mode m by which it was found counts as one of the mode m plus this number,
 pub const ON_BRANCH: usize = 1 << 16;
+/// and other maxima on the branch through it as those of the mode m plus this one. The structure has neither.
+const BESIDE: usize = 2 * ON_BRANCH;
 /// Two solutions are the same maximum up to these relative distances of frequency and amplitude.
 const SAME: [f64; 2] = [1e-6, 1e-5];
 /// The same for solutions on different harmonics, whose truncation errors differ.
@@ -86,18 +88,18 @@ pub fn search_maxima<E>(
     Ok(maxima)
 }
 
-/// Looks along the branch through the highest maximum of each level for a higher one, and adds it to `maxima`. `along` gives such a maximum
-/// and its work. It is asked where the highest maximum was not predicted from other samples, whose branches were followed already, and
-/// where a prediction on the branch was `lost` (shape: as `maxima`). Where one mode is wanted nothing is looked for.
-pub fn add_higher_on_branches(
+/// Looks along the branch through the highest maximum of each level for others that may be higher, and adds them to `maxima`. `along` gives
+/// them and its work. It is asked where the highest maximum was not predicted from other samples, whose branches were followed already, and
+/// where a prediction was `lost` or is in doubt (shape: as `maxima`). Where one mode is wanted nothing is looked for.
+pub fn add_others_on_branches(
     maxima: &mut [Maxima],
     choice: PeakChoice,
     lost: &[bool],
-    along: impl Fn(&Solution) -> (Option<Solution>, WorkCount),
+    along: impl Fn(&Solution) -> (Vec<Solution>, WorkCount),
 ) {
     if !matches!(choice, PeakChoice::Mode(_)) {
         let levels = maxima.iter_mut().zip(lost);
-        levels.for_each(|(at, lost)| at.add_higher_on_branch(*lost, &along));
+        levels.for_each(|(at, lost)| at.add_others_on_branch(*lost, &along));
     }
 }
 
@@ -134,6 +136,7 @@ impl Maxima {
             mut peak,
             mut others,
             is_own,
+            ..
         } = search;
         self.count += peak.count;
         if matches!(choice, PeakChoice::Mode(_)) {
@@ -143,8 +146,7 @@ impl Maxima {
             }
         }
         let is_missing = peak.solution.is_none() && peak.status != Status::NoPeakInBand;
-        let is_lost = is_missing || !is_own;
-        self.unfinished += usize::from(is_lost);
+        self.unfinished += usize::from(is_missing || !is_own);
         let of_another = |found: &Solution| self.is_of_another(candidate.mode, found);
         if peak.solution.is_none() && others.iter().all(of_another) {
             self.failed
@@ -158,9 +160,8 @@ impl Maxima {
         }
         // no start for this mode of other samples, but perhaps for the maximum itself
         let label = ON_BRANCH + candidate.mode;
-        let new = found.filter(|solution| !self.is_of_another(label, solution));
-        let new: Vec<(usize, Solution)> = new.map(|solution| (label, solution)).collect();
-        self.found.extend(new);
+        let new: Vec<Solution> = found.filter(|s| !self.is_of_another(label, s)).collect();
+        (self.found).extend(new.into_iter().map(|solution| (label, solution)));
     }
 
     /// The maximum to which `mode` was tracked, not predicted from other samples.
@@ -199,12 +200,12 @@ impl Maxima {
         }
     }
 
-    /// Adds a higher maximum on the branch through the highest one, as a maximum of its own: what the search of the mode has led to stays a
+    /// Adds other maxima on the branch through the highest one, as maxima of their own: what the search of the mode has led to stays a
     /// start for others.
-    fn add_higher_on_branch(
+    fn add_others_on_branch(
         &mut self,
         lost: bool,
-        along: impl Fn(&Solution) -> (Option<Solution>, WorkCount),
+        along: impl Fn(&Solution) -> (Vec<Solution>, WorkCount),
     ) {
         let Some(highest) = self.highest() else {
             return;
@@ -215,10 +216,10 @@ impl Maxima {
         let Some((mode, solution)) = first else {
             return;
         };
-        let (mode, (higher, work)) = (mode % ON_BRANCH, along(solution));
+        let (mode, (mut others, work)) = (BESIDE + mode % ON_BRANCH, along(solution));
         self.count += work;
-        let higher = higher.map(|solution| (ON_BRANCH + mode, solution));
-        self.found.extend(higher);
+        others.retain(|other| !self.found.iter().any(|(_, s)| is_same_maximum(s, other)));
+        (self.found).extend(others.into_iter().map(|other| (mode, other)));
     }
 
     /// Adds the maximum that the prediction of one on the branch of another has led to; says whether there is one. `mode` is at least
