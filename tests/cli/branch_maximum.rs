@@ -3,7 +3,8 @@
 use microslip::ensemble::store::read_samples;
 use microslip::hb::PeakRoute;
 
-use super::microslip;
+use super::small_models::{model, write_matrix};
+use super::{change, microslip, succeed};
 
 const STUDY: &str = "\
 name = \"contact that closes late\"
@@ -65,14 +66,6 @@ fn samples_go_to_the_top_of_the_branch() {
 }
 
 const TWO_MAXIMA: &str = "\
-name = \"two maxima of one branch\"
-levels = [0.3]
-
-[model]
-kind = \"matrices\"
-mass = \"mass.mtx\"
-damping = \"damping.mtx\"
-stiffness = \"stiffness.mtx\"
 dof_names = [\"a\", \"b\", \"c\", \"d\"]
 static_force = { a = 0.2, b = -0.1, c = 0.05, d = 1.0 }
 cosine_force = { a = 1.0, d = 0.1 }
@@ -125,30 +118,29 @@ friction_coefficient,stiffness_scale,excitation_scale
 /// Maxima that come near the highest one of their branch are starts, too. Seen to fail with the program before: 3.023 m, `converged`.
 #[test]
 fn another_maximum_of_the_branch_may_become_the_higher_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str, entries: &[(usize, usize, f64)]| {
-        let head = "%%MatrixMarket matrix coordinate real symmetric";
-        let mut text = format!("{head}\n4 4 {}\n", entries.len());
-        for (i, j, value) in entries {
-            text += &format!("{i} {j} {value}\n");
-        }
-        std::fs::write(folder.path().join(name), text).unwrap();
-    };
-    let diagonal = |values: [f64; 4]| [0, 1, 2, 3].map(|i| (i + 1, i + 1, values[i]));
-    let coupling = [(2, 1, 0.2), (3, 2, 0.1), (4, 1, 0.1), (4, 3, 0.05)];
-    file(
-        "mass.mtx",
-        &[&diagonal([1.0, 0.8, 0.3, 0.3])[..], &coupling].concat(),
-    );
-    file("damping.mtx", &diagonal([0.04, 0.04, 0.06, 0.06]));
-    file(
-        "stiffness.mtx",
-        &[&diagonal([1.0, 1.5, 0.3, 0.5])[..], &[(2, 1, -0.3)]].concat(),
-    );
+    let stiffness: [&[f64]; 4] = [
+        &[1.0, -0.3, 0.0, 0.0],
+        &[-0.3, 1.5, 0.0, 0.0],
+        &[0.0, 0.0, 0.3, 0.0],
+        &[0.0, 0.0, 0.0, 0.5],
+    ];
+    let damping: [&[f64]; 4] = [
+        &[0.04, 0.0, 0.0, 0.0],
+        &[0.0, 0.04, 0.0, 0.0],
+        &[0.0, 0.0, 0.06, 0.0],
+        &[0.0, 0.0, 0.0, 0.06],
+    ];
+    let mass: [&[f64]; 4] = [
+        &[1.0, 0.2, 0.0, 0.1],
+        &[0.2, 0.8, 0.1, 0.0],
+        &[0.0, 0.1, 0.3, 0.05],
+        &[0.1, 0.0, 0.05, 0.3],
+    ];
+    let folder = model(&[1.0; 4], &stiffness, &damping, TWO_MAXIMA);
+    write_matrix(folder.path(), "mass.mtx", &mass);
+    change(folder.path(), "levels = [0.1]", "levels = [0.3]");
     std::fs::write(folder.path().join("design.csv"), DESIGN).unwrap();
-    std::fs::write(folder.path().join("study.toml"), TWO_MAXIMA).unwrap();
-    let run = microslip(folder.path(), &["run", "study.toml", "--quiet"]);
-    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
     let found = read_samples(&folder.path().join("results/samples.parquet")).unwrap();
     let last = &found.outcomes[5].levels[0];
     let peak = last.peak.expect("a peak");

@@ -8,7 +8,7 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// A symmetric matrix, row by row.
-fn write_matrix(folder: &Path, name: &str, rows: &[&[f64]]) {
+pub(crate) fn write_matrix(folder: &Path, name: &str, rows: &[&[f64]]) {
     let n = rows.len();
     let mut text = format!("%%MatrixMarket matrix array real general\n{n} {n}\n");
     for value in rows.iter().copied().flatten() {

@@ -2,6 +2,7 @@
 
 use crate::ensemble::outcome::{LevelOutcome, Maximum, PeakRecord, SampleOutcome};
 use crate::hb::{ContactFractions, Status};
+use crate::report::run::record::RunRecord;
 use crate::statistics::{Sorted, moments};
 
 /// The peak of a level if it solves the balance equations and its numbers are finite.
@@ -21,7 +22,11 @@ const HIGHER: f64 = 1.01;
 
 /// The largest amplitude that sweeps through the band meet, if it is above the peak and away from it by more than half the width of the
 /// resonance: a maximum that was not found, or an end of the band. At the peak itself sweeps differ by the harmonics that they lack.
-pub(in crate::report) fn above_peak(level: &LevelOutcome) -> Option<Maximum> {
+/// Where the peak is that of one mode, another one may be higher, and nothing is said.
+pub(in crate::report) fn above_peak(record: &RunRecord, level: &LevelOutcome) -> Option<Maximum> {
+    if record.provenance.peak_mode.is_some() {
+        return None;
+    }
     let (peak, sweeps) = (usable_peak(level)?, level.around.sweeps()?);
     let [up, down] = [sweeps.upward, sweeps.downward];
     let top = if up.amplitude_m > down.amplitude_m {

@@ -5,7 +5,7 @@
 
 use super::criterion_result::{LevelResult, NumericalWidth, Power, Unknown};
 use super::numerical_error::{NumericalErrors, Solved};
-use crate::ensemble::outcome::{LevelOutcome, Maximum, PeakRecord, SampleOutcome};
+use crate::ensemble::outcome::{Maximum, PeakRecord, SampleOutcome};
 use crate::report::asked::requirement::{Criterion, Operation, RequiredQuantity, Stress};
 use crate::report::numbers::allowable::{allowable_amplitude_m, factor};
 use crate::report::numbers::margins::smallest_margin;
@@ -89,7 +89,8 @@ impl Judged<'_> {
     pub(super) fn results(&self) -> Vec<Enclosed> {
         let of = |o: &SampleOutcome| {
             let level = &o.levels[self.level];
-            Some(self.enclosed(&trusted_peak(level)?, self.above_peak(level)))
+            let above = above_peak(self.input.record, level);
+            Some(self.enclosed(&trusted_peak(level)?, above))
         };
         let outcomes = self.input.outcomes.iter();
         outcomes
@@ -103,12 +104,6 @@ impl Judged<'_> {
             Rule::AtLeast(limit) => result.upper < limit,
             Rule::AtMost(limit) => result.lower > limit,
         }
-    }
-
-    /// What a sweep meets above the peak, unless the peak is that of one mode.
-    fn above_peak(&self, level: &LevelOutcome) -> Option<Maximum> {
-        let of_one_mode = self.input.record.provenance.peak_mode.is_some();
-        above_peak(level).filter(|_| !of_one_mode)
     }
 
     /// The result of a peak; where a sweep meets more, the peak may be there.

@@ -82,7 +82,6 @@ impl Ensemble<'_> {
                 let (mut peak, is_own) = self.of_this_mode(of, tracked, &shapes);
                 peak.count += search.peak.count;
                 search.is_own = is_own;
-                search.is_doubtful = false;
                 search.peak = peak;
             }
         }

@@ -12,8 +12,8 @@ use super::outcome::{
 use super::shared::{Ensemble, SampleSolver};
 use super::times::SampleTimes;
 use crate::hb::newton::rest::stiffness_at_rest;
-use crate::hb::peak::branch_maximum::others_on_branch;
-use crate::hb::peak::maxima::{Maxima, ON_BRANCH, add_others_on_branches, search_maxima};
+use crate::hb::peak::branch_maximum::{Extent, other_on_branch};
+use crate::hb::peak::maxima::{Maxima, ON_BRANCH, add_other_on_branches, search_maxima};
 use crate::hb::peak::predicted::on_harmonics;
 use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
@@ -224,7 +224,7 @@ impl Ensemble<'_> {
     ) -> Result<Vec<Maxima>, ProblemError> {
         let stiffness = stiffness_at_rest(problem, self.settings.aft, self.peak.band.low);
         let modes = candidates(problem.model, &stiffness, self.peak.band)?;
-        let mut lost = vec![false; levels.len()];
+        let mut followed: Vec<Option<Extent>> = vec![None; levels.len()];
         let search = |mode: &Candidate, wanted: &[usize], known: &[Maxima]| {
             let of_mode = ModeOfSample {
                 problem,
@@ -234,13 +234,15 @@ impl Ensemble<'_> {
                 known,
             };
             let found = self.of_mode(&of_mode, wanted, atlas);
-            for (level, found) in wanted.iter().zip(&found) {
-                lost[*level] |= found.is_doubtful;
-            }
+            let doubtful = wanted
+                .iter()
+                .zip(&found)
+                .filter(|(_, found)| found.is_doubtful);
+            doubtful.for_each(|(level, _)| followed[*level] = Some(Extent::Resonance));
             Ok::<_, ProblemError>(found)
         };
         let mut maxima = search_maxima(&modes, self.choice, levels, search)?;
-        for (level, lost) in lost.iter_mut().enumerate() {
+        for (level, followed) in followed.iter_mut().enumerate() {
             for mode in modes_on_branches(&modes, &atlas.modes_near(place, level)) {
                 let of_mode = ModeOfSample {
                     problem,
@@ -250,11 +252,15 @@ impl Ensemble<'_> {
                     known: &maxima,
                 };
                 let found = self.found_from_atlas(&of_mode, level, atlas);
-                *lost |= !maxima[level].add_predicted_on_branch(mode.mode, found);
+                if !maxima[level].add_predicted_on_branch(mode.mode, found) {
+                    *followed = Some(Extent::Band);
+                }
             }
         }
-        let along = |found: &Solution| others_on_branch(problem, self.settings, self.peak, found);
-        add_others_on_branches(&mut maxima, self.choice, &lost, along);
+        let along = |found: &Solution, extent| {
+            other_on_branch(problem, self.settings, self.peak, found, extent)
+        };
+        add_other_on_branches(&mut maxima, self.choice, &followed, along);
         Ok(maxima)
     }
 

@@ -34,8 +34,8 @@ pub enum PeakRoute {
     SweptOnOne,
     /// The same with few harmonics.
     SweptOnFew,
-    /// Highest maximum on the branch through a maximum that one of the routes without other samples has led to, or beside that branch on
-    /// the one that a sweep through the band follows.
+    /// Highest maximum on the branch through a maximum that another route has led to, or beside that branch on the one that a sweep through
+    /// the band follows.
     OnBranch,
 }
 

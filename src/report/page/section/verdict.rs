@@ -366,15 +366,12 @@ fn lower_maxima_notice(view: &View, i: usize) -> Option<String> {
 /// In how many samples a sweep through the band meets more than the peak at level `i`: at an end of the band, as a rule; absent for none, and where
 /// the peak is that of one mode.
 fn higher_curves_notice(view: &View, i: usize) -> Option<String> {
-    if view.input.record.provenance.peak_mode.is_some() {
-        return None;
-    }
     let levels = view.input.outcomes.iter().map(|sample| &sample.levels[i]);
     let swept =
         levels.filter(|level| usable_peak(level).is_some() && level.around.sweeps().is_some());
     let curves = swept.clone().count();
     let above = swept.filter_map(|level| {
-        let top = above_peak(level)?;
+        let top = above_peak(view.input.record, level)?;
         Some((top.amplitude_m / usable_peak(level)?.amplitude_m, top))
     });
     let above: Vec<(f64, Maximum)> = above.collect();

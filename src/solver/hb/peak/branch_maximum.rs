@@ -1,17 +1,19 @@
-//! Other maxima on the branch through one that was found, which may be higher.
+//! Another maximum on the branch through one that was found, which may be higher.
 //!
 //! A search leads to one maximum of the amplitude. Where contacts open, or the track of a mode is lost, a higher one may lie on the
 //! same branch. So the branch is followed from the maximum to both ends of the band, and searched on both sides close to it. A branch that
 //! cannot be followed to both ends may be one of several: then the band is swept, too.
 //!
-//! The branch is followed on the harmonics of the study, whose heights do not tell which maximum is the higher on enough harmonics. So each
-//! that comes near gets as many as the alert asks for. It is a start for other samples, too, where it may be the higher one.
+//! The branch is followed on the harmonics of the study, whose heights do not tell which maximum is the higher on enough harmonics. So the
+//! highest other one gets as many as the alert asks for if it comes near. It is a start for other samples, too, where it may be the higher one.
+//!
+//! Where other samples predict the maximum, the branches of their maxima are known, and only other maxima of its resonance are looked for.
 
 use super::band::{SWEEP_STEP, swept_maximum};
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
 use super::search::{
-    BOTH_SIDES, Located, PeakSettings, find_peak, higher_on_both_sides, maximum_on,
+    BOTH_SIDES, Located, PeakSettings, find_peak, higher, higher_on_both_sides, maximum_on,
 };
 use crate::harmonics::HarmonicSet;
 use crate::hb::branch::branch_segment::BranchSegment;
@@ -33,71 +35,77 @@ const ADVANCE: f64 = 0.1;
 const LEAST_GAIN: f64 = 1e-3;
 /// Another maximum competes that is at least so high beside the one found, on the harmonics of the study.
 const COMPETES: f64 = 0.92;
-/// Most such maxima.
-const MOST_COMPETING: usize = 1;
 /// Maxima of one branch on other harmonics are one up to this relative distance of frequency.
 const SAME: f64 = 5e-3;
+/// The branch of one resonance ends where the amplitude is below this share of its maximum.
+const FAR: f64 = 0.5;
 /// A step may hide a top that is so many times as high as its ends.
 const HIDDEN: f64 = 1.5;
 /// Newton iterations that may be spent on a branch.
 const BUDGET: usize = 3000;
 
-/// Other maxima on the branch through the maximum `found`, with as many harmonics as the alert asks for, highest first on the branch, and the
-/// work: those that are higher there, and those that come near.
+/// How far the branch through a maximum is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Extent {
+    /// On each side until the amplitude is far below the maximum.
+    Resonance,
+    /// To both ends of the band.
+    Band,
+}
+
+/// The highest other maximum on the branch through the maximum `found`, with as many harmonics as the alert asks for, if it is higher or
+/// comes near; and the work.
 ///
 /// None where all contacts stick at `found`, whose response is linear. Where the branch cannot be followed to the end of the band, the part
 /// that is known counts. The branch that begins at that end of the band is searched, too, unless `found` lies on it.
-pub fn others_on_branch(
+pub fn other_on_branch(
     problem: &Problem<'_>,
     settings: &HbSettings,
     peak: PeakSettings,
     found: &Solution,
-) -> (Vec<Solution>, WorkCount) {
+    extent: Extent,
+) -> (Option<Solution>, WorkCount) {
     let effort = &problem.effort;
     let before = effort.count();
-    let others = match found.contact.stick < 1.0 {
+    let other = match found.contact.stick < 1.0 {
         true => effort.with_own_budget(settings.newton.budget, || {
-            others(problem, settings, peak, found)
+            competing(problem, settings, peak, found, extent)
         }),
-        false => Vec::new(),
+        false => None,
     };
-    (others, effort.count().since(before))
+    (other, effort.count().since(before))
 }
 
-fn others(
+fn competing(
     problem: &Problem<'_>,
     settings: &HbSettings,
     peak: PeakSettings,
     found: &Solution,
-) -> Vec<Solution> {
+    extent: Extent,
+) -> Option<Solution> {
     let balance = balance_on(problem, settings.harmonics.clone(), settings);
-    let Ok(start) = on_harmonics(&balance, found, peak, settings.newton) else {
-        return Vec::new();
-    };
-    let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
-    let mut maxima = maxima_on_branch(&balance, &start, settings, peak, found);
+    let start = on_harmonics(&balance, found, peak, settings.newton).ok()?;
+    let maxima = maxima_on_branch(&balance, &start, settings, peak, found, extent);
     let start = Located::from(Iterate::new(&balance, start));
+    let omega = start.iterate.point.omega;
+    let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
     let own = height(&start);
-    // on these harmonics the search may have led from `found` to another maximum
-    maxima.push(start);
-    maxima.sort_by(|a, b| height(b).total_cmp(&height(a)));
+    let is_known = |other: f64| is_near(other, omega) || is_near(other, found.omega);
     let competes = |other: &Located<'_>| match height(other) {
         higher if higher > (1.0 + LEAST_GAIN) * own => true,
-        lower => lower >= COMPETES * own && !is_near(other, found.omega),
+        lower => lower >= COMPETES * own && !is_known(other.iterate.point.omega),
     };
-    let mut others: Vec<Located<'_>> = Vec::new();
-    for other in maxima.into_iter().filter(competes) {
-        let omega = other.iterate.point.omega;
-        if !others.iter().any(|known| is_near(known, omega)) {
-            others.push(other);
-        }
-    }
-    others.truncate(MOST_COMPETING);
-    let refined = others.into_iter().map(|other| Solution {
+    // more harmonics may split the maximum into two, or have led to one that does not belong to it
+    let start = (!is_near(omega, found.omega)).then_some(start);
+    let competing = maxima.into_iter().filter(competes);
+    let refined = match competing.reduce(|best, other| higher(&balance, best, other)) {
+        Some(other) => refined_beside(&balance, other, settings, peak, found),
+        None => refined_maximum(&balance, start?, settings, peak),
+    };
+    Some(Solution {
         route: Some(PeakRoute::OnBranch),
-        ..refined_beside(&balance, other, settings, peak, found)
-    });
-    refined.collect()
+        ..refined
+    })
 }
 
 /// The maximum `other` of `balance` with as many harmonics as the alert asks for. Newton's method onto more of them may lead to the maximum
@@ -111,9 +119,8 @@ fn refined_beside<'p>(
 ) -> Solution {
     let start = other.iterate.point.clone();
     let refined = refined_maximum(balance, other, settings, peak);
-    let is_found = (refined.omega / found.omega - 1.0).abs() <= SAME;
     let (few, orders) = (balance.harmonics.orders().len(), found.harmonics.orders());
-    if !is_found || few >= orders.len() {
+    if !is_near(refined.omega, found.omega) || few >= orders.len() {
         return refined;
     }
     let sets = (few..=orders.len()).filter_map(|n| HarmonicSet::new(orders[..n].to_vec()).ok());
@@ -128,9 +135,9 @@ fn refined_beside<'p>(
     }
 }
 
-/// Whether the maximum is at the frequency `omega` (rad/s).
-fn is_near(located: &Located<'_>, omega: f64) -> bool {
-    (located.iterate.point.omega / omega - 1.0).abs() <= SAME
+/// Whether maxima at these frequencies (rad/s), perhaps on other harmonics, may be one.
+fn is_near(omega: f64, other: f64) -> bool {
+    (omega / other - 1.0).abs() <= SAME
 }
 
 /// The maxima on the branch through `start`, the maximum `found` on the harmonics of `balance`, and the highest of the sweep through the
@@ -141,13 +148,14 @@ fn maxima_on_branch<'p>(
     settings: &HbSettings,
     peak: PeakSettings,
     found: &Solution,
+    extent: Extent,
 ) -> Vec<Located<'p>> {
     let (newton, effort) = (settings.newton, &balance.problem.effort);
     let least = 1.0 + LEAST_GAIN;
     let budget = newton.budget.min(BUDGET);
     let (sides, beside) = effort.with_own_budget(budget, || {
         let sides = [SweepDirection::Downward, SweepDirection::Upward];
-        let sides = sides.map(|side| on_side(balance, start, side, settings, peak));
+        let sides = sides.map(|side| on_side(balance, start, side, settings, peak, extent));
         // a step is longer than the distance of two maxima side by side
         let start = Iterate::new(balance, start.clone());
         let n_starts = BOTH_SIDES.len();
@@ -167,21 +175,22 @@ fn maxima_on_branch<'p>(
     maxima.chain(beside).chain(elsewhere).collect()
 }
 
-/// A branch from a maximum towards one end of the band.
+/// A branch from a maximum on one side.
 struct Side<'p> {
     /// The maxima that it passes, but for those far below another.
     maxima: Vec<Located<'p>>,
-    /// Whether it was followed to the end of the band.
+    /// Whether it was followed as far as wanted.
     is_whole: bool,
 }
 
-/// The branch from `start` towards one end of the band.
+/// The branch from `start` towards one end of the band, or a part of it.
 fn on_side<'p>(
     balance: &Balance<'p>,
     start: &Point,
     direction: SweepDirection,
     settings: &HbSettings,
     peak: PeakSettings,
+    extent: Extent,
 ) -> Side<'p> {
     let newton = settings.newton;
     let sweep = SweepSettings {
@@ -201,7 +210,10 @@ fn on_side<'p>(
             least = least.max(top);
             maxima.extend(located);
         }
-        ControlFlow::Continue(())
+        match extent == Extent::Resonance && to.response.norm() < FAR * least {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
     });
     Side {
         maxima,

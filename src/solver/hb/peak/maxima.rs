@@ -5,18 +5,20 @@
 //! linear structures; friction damps the modes between them. The modes are searched in the order of their reach. A mode is
 //! searched only if its maximum could be higher than those found before it.
 
+use super::branch_maximum::Extent;
 use super::level_peak::{LevelPeak, ModeSearch};
 use crate::hb::equations::effort::WorkCount;
 use crate::hb::route::PeakRoute;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::Candidate;
+use std::cmp::Reverse;
 
 /// A mode is searched if its reach is at least this part of the highest maximum found so far.
 pub(crate) const COMPETES: f64 = 0.5;
 /// A maximum that is not known to be that of the mode m by which it was found counts as one of the mode m plus this number,
 pub const ON_BRANCH: usize = 1 << 16;
-/// and other maxima on the branch through it as those of the mode m plus this one. The structure has neither.
+/// and another one on the branch through it as one of the mode m plus this one. The structure has neither.
 const BESIDE: usize = 2 * ON_BRANCH;
 /// Two solutions are the same maximum up to these relative distances of frequency and amplitude.
 const SAME: [f64; 2] = [1e-6, 1e-5];
@@ -88,18 +90,18 @@ pub fn search_maxima<E>(
     Ok(maxima)
 }
 
-/// Looks along the branch through the highest maximum of each level for others that may be higher, and adds them to `maxima`. `along` gives
-/// them and its work. It is asked where the highest maximum was not predicted from other samples, whose branches were followed already, and
-/// where a prediction was `lost` or is in doubt (shape: as `maxima`). Where one mode is wanted nothing is looked for.
-pub fn add_others_on_branches(
+/// Looks along the branch through the highest maximum of each level for another that may be higher, and adds it to `maxima`. `along` gives
+/// it and its work. The branch of a maximum that was predicted from other samples is followed as far as `predicted` says, if at all (shape: as
+/// `maxima`), since theirs were followed already. Where one mode is wanted nothing is looked for.
+pub fn add_other_on_branches(
     maxima: &mut [Maxima],
     choice: PeakChoice,
-    lost: &[bool],
-    along: impl Fn(&Solution) -> (Vec<Solution>, WorkCount),
+    predicted: &[Option<Extent>],
+    along: impl Fn(&Solution, Extent) -> (Option<Solution>, WorkCount),
 ) {
     if !matches!(choice, PeakChoice::Mode(_)) {
-        let levels = maxima.iter_mut().zip(lost);
-        levels.for_each(|(at, lost)| at.add_others_on_branch(*lost, &along));
+        let levels = maxima.iter_mut().zip(predicted);
+        levels.for_each(|(at, predicted)| at.add_other_on_branch(*predicted, &along));
     }
 }
 
@@ -132,12 +134,7 @@ impl Maxima {
 
     /// Where one mode is wanted, nothing but its own maximum counts.
     fn add(&mut self, candidate: &Candidate, search: ModeSearch, choice: PeakChoice) {
-        let ModeSearch {
-            mut peak,
-            mut others,
-            is_own,
-            ..
-        } = search;
+        let (mut peak, mut others, is_own) = (search.peak, search.others, search.is_own);
         self.count += peak.count;
         if matches!(choice, PeakChoice::Mode(_)) {
             others.clear();
@@ -200,30 +197,37 @@ impl Maxima {
         }
     }
 
-    /// Adds other maxima on the branch through the highest one, as maxima of their own: what the search of the mode has led to stays a
+    /// Adds another maximum on the branch through the highest one, as a maximum of its own: what the search of the mode has led to stays a
     /// start for others.
-    fn add_others_on_branch(
+    fn add_other_on_branch(
         &mut self,
-        lost: bool,
-        along: impl Fn(&Solution) -> (Vec<Solution>, WorkCount),
+        predicted: Option<Extent>,
+        along: impl Fn(&Solution, Extent) -> (Option<Solution>, WorkCount),
     ) {
         let Some(highest) = self.highest() else {
             return;
         };
-        let is_own = |s: &Solution| lost || s.route.is_some_and(|route| !route.is_from_others());
-        let mut found = self.found.iter();
-        let first = found.find(|(_, s)| is_own(s) && is_same_maximum(s, highest));
-        let Some((mode, solution)) = first else {
+        let extent = |s: &Solution| match s.route.is_some_and(PeakRoute::is_from_others) {
+            true => predicted,
+            false => Some(Extent::Band),
+        };
+        let found = self
+            .found
+            .iter()
+            .filter(|(_, s)| is_same_maximum(s, highest));
+        let followed = found.filter_map(|(mode, s)| Some((extent(s)?, mode, s)));
+        let farthest = followed.min_by_key(|(extent, ..)| Reverse(*extent));
+        let Some((extent, mode, solution)) = farthest else {
             return;
         };
-        let (mode, (mut others, work)) = (BESIDE + mode % ON_BRANCH, along(solution));
+        let (mode, (other, work)) = (BESIDE + mode % ON_BRANCH, along(solution, extent));
         self.count += work;
-        others.retain(|other| !self.found.iter().any(|(_, s)| is_same_maximum(s, other)));
-        (self.found).extend(others.into_iter().map(|other| (mode, other)));
+        let is_new = |other: &Solution| !self.found.iter().any(|(_, s)| is_same_maximum(s, other));
+        let new = other.filter(is_new).map(|other| (mode, other));
+        self.found.extend(new);
     }
 
-    /// Adds the maximum that the prediction of one on the branch of another has led to; says whether there is one. `mode` is at least
-    /// [`ON_BRANCH`].
+    /// Adds the maximum that the prediction of one on a branch (`mode` from [`ON_BRANCH`] on) has led to; says whether there is one.
     pub fn add_predicted_on_branch(&mut self, mode: usize, search: ModeSearch) -> bool {
         self.count += search.peak.count;
         let found = search.peak.solution;
@@ -243,10 +247,8 @@ impl Maxima {
     pub fn distinct(&self) -> Vec<&Solution> {
         let mut distinct: Vec<&Solution> = Vec::new();
         for (_, solution) in &self.found {
-            if !distinct
-                .iter()
-                .any(|known| is_same_maximum(known, solution))
-            {
+            let mut known = distinct.iter();
+            if !known.any(|known| is_same_maximum(known, solution)) {
                 distinct.push(solution);
             }
         }
@@ -271,11 +273,8 @@ impl Maxima {
     /// Whether `solution` is the maximum of another mode than `mode`.
     #[must_use]
     pub fn is_of_another(&self, mode: usize, solution: &Solution) -> bool {
-        let mut others = self
-            .by_mode()
-            .into_iter()
-            .filter(|(other, _)| *other != mode);
-        others.any(|(_, known)| is_same_maximum(known, solution))
+        let mut others = self.by_mode().into_iter();
+        others.any(|(other, known)| other != mode && is_same_maximum(known, solution))
     }
 
     /// Status of the search for the peak. If the search of a mode failed, and that mode could be higher than the maxima found,
@@ -436,10 +435,8 @@ mod tests {
         let own = run(&|| search(by(99.0, PeakRoute::Tracked), Vec::new()));
         assert_eq!(own, (2, vec![(7, 103.0), (4, 99.0)]));
         let same = (1, vec![(4, 103.0), (7, 103.0)]);
-        assert_eq!(
-            run(&|| search(by(103.0, PeakRoute::Tracked), Vec::new())),
-            same
-        );
+        let again = run(&|| search(by(103.0, PeakRoute::Tracked), Vec::new()));
+        assert_eq!(again, same);
         assert_eq!(run(&|| failed(Status::StepTooSmall)), same);
     }
 

@@ -7,9 +7,9 @@
 //! fails the other routes of [`PeakRoute`] are tried.
 
 use super::band::{sliding_maximum, swept_maximum};
-use super::branch_maximum::others_on_branch;
+use super::branch_maximum::other_on_branch;
 use super::level_peak::{LevelPeak, ModeSearch};
-use super::maxima::{COMPETES, PeakChoice, add_others_on_branches, search_maxima};
+use super::maxima::{COMPETES, PeakChoice, add_other_on_branches, search_maxima};
 use super::predicted::{PeakPrediction, correct, raised};
 use super::refine::refined_maximum;
 use super::search::{Located, PeakSettings, find_peak, highest_nearby};
@@ -102,9 +102,9 @@ pub fn track_peaks(
         Ok::<_, LinalgError>(found.into_iter().map(ModeSearch::from).collect())
     };
     let mut maxima = search_maxima(&modes, PeakChoice::Highest, levels, search)?;
-    let along = |found: &Solution| others_on_branch(problem, settings, peak, found);
-    let lost = vec![false; levels.len()];
-    add_others_on_branches(&mut maxima, PeakChoice::Highest, &lost, along);
+    let along = |found: &Solution, extent| other_on_branch(problem, settings, peak, found, extent);
+    let predicted = vec![None; levels.len()];
+    add_other_on_branches(&mut maxima, PeakChoice::Highest, &predicted, along);
     Ok(maxima.into_iter().map(LevelPeak::from).collect())
 }
 
