@@ -79,6 +79,7 @@ fn the_mirror_can_be_switched_off() {
     let default = std::fs::read_to_string("studies/two-blade-strip/study.toml").unwrap();
     let short = default
         .replace("samples = 200", "samples = 1")
+        .replace("[contact]", "contact_nodes = [2, 3]\n[contact]")
         .replace("levels = [0.1, 5.0, 20.0]", "levels = [0.1, 5.0]")
         .replace("harmonics = 5", "harmonics = 3")
         .replace("curve_samples = 30", "curve_samples = 0");

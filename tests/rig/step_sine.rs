@@ -35,14 +35,13 @@ fn a_step_shows_the_first_harmonic() {
     );
 }
 
-/// Amplitudes of an oscillator with a relative error `error` each.
-fn oscillator(settings: &StepSineSettings, error: f64, noise: &mut Noise) -> Vec<Step> {
-    let (f0, zeta) = (2620.0, 1e-3);
-    let frequencies = settings.frequencies(f0, zeta * f0, 0.0);
-    let amplitude = |f: f64| {
-        let x: f64 = f / f0;
-        2.0 * zeta * 1e-5 / (1.0 - x * x).hypot(2.0 * zeta * x)
-    };
+/// Steps at these frequencies (Hz) of a response of this amplitude (m), with a relative error `error` each.
+fn steps(
+    frequencies: Vec<f64>,
+    amplitude: impl Fn(f64) -> f64,
+    error: f64,
+    noise: &mut Noise,
+) -> Vec<Step> {
     let step = |frequency_hz: f64| Step {
         frequency_hz,
         amplitude_m: amplitude(frequency_hz) * (1.0 + error * noise.normal()),
@@ -51,8 +50,20 @@ fn oscillator(settings: &StepSineSettings, error: f64, noise: &mut Noise) -> Vec
     frequencies.into_iter().map(step).collect()
 }
 
-/// The maximum of an oscillator is found exactly, and with errors as often within two of its deviations as nine fitted steps leave it (six degrees
-/// of freedom: 91 %). Seen to fail with weights of 1.
+/// Amplitudes of an oscillator with a relative error `error` each.
+fn oscillator(settings: &StepSineSettings, error: f64, noise: &mut Noise) -> Vec<Step> {
+    let (f0, zeta) = (2620.0, 1e-3);
+    let amplitude = |f: f64| {
+        let x: f64 = f / f0;
+        2.0 * zeta * 1e-5 / (1.0 - x * x).hypot(2.0 * zeta * x)
+    };
+    let frequencies = settings.frequencies(f0, zeta * f0, 0.0);
+    steps(frequencies, amplitude, error, noise)
+}
+
+/// The maximum of an oscillator is found exactly, and with errors within two of its deviations in 92 % of the tests: nine fitted steps leave four
+/// degrees of freedom, which alone make 88 %, and the deviations also hold what a degree less of the polynomial changes. Seen to fail with weights of
+/// 1.
 #[test]
 fn a_fitted_peak_knows_its_error() {
     let settings = StepSineSettings::default();
@@ -87,17 +98,12 @@ fn a_fitted_peak_knows_its_error() {
 /// Amplitudes around a lopsided resonance, as that of a contact that slips, with a relative error of 0.1 % each.
 fn lopsided(settings: &StepSineSettings, noise: &mut Noise) -> Vec<Step> {
     let (f0, half_width) = (2620.0, 2.62);
-    let frequencies = settings.frequencies(f0, half_width, noise.even() - 0.5);
-    let step = |frequency_hz: f64| {
-        let u = (frequency_hz - f0) / half_width;
-        let y = 1.0 + u * u - 0.4 * u.powi(3) + 0.1 * u.powi(4);
-        Step {
-            frequency_hz,
-            amplitude_m: 1e-5 / y.sqrt() * (1.0 + 1e-3 * noise.normal()),
-            out_of_range: 0,
-        }
+    let amplitude = |f: f64| {
+        let u: f64 = (f - f0) / half_width;
+        1e-5 / (1.0 + u * u - 0.4 * u.powi(3) + 0.1 * u.powi(4)).sqrt()
     };
-    frequencies.into_iter().map(step).collect()
+    let frequencies = settings.frequencies(f0, half_width, noise.even() - 0.5);
+    steps(frequencies, amplitude, 1e-3, noise)
 }
 
 /// The maximum of a lopsided resonance is found within the deviations, which are a small part of its width. A parabola alone is four of its

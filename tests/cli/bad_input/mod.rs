@@ -168,8 +168,8 @@ const UNUSUAL: [(&str, &str, &str); 7] = [
     ),
     (
         "k_n = 1e6",
-        "k_n = 1e15",
-        "study.toml:21: model.contact[0].k_n = 1e15: is unusual: usual is 100 to 1e12",
+        "k_n = 2e12",
+        "study.toml:21: model.contact[0].k_n = 2e12: is unusual: usual is 100 to 1e12",
     ),
     (
         "[frequency]",

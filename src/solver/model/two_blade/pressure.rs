@@ -354,7 +354,8 @@ mod tests {
     /// Draws of a field of short correlation pull at as many nodes as is said. Seen to fail with the variance in place of its root.
     #[test]
     fn the_number_of_pulled_nodes_is_that_of_draws() {
-        let (settings, mut field) = rig(8);
+        let (mut settings, mut field) = rig(2);
+        settings.contact_nodes = [8, 12];
         field.standard_deviation = 0.3;
         field.correlation_length_mm = 1.0;
         let inputs = PressureInputs::new(&settings, false, Some(&field)).unwrap();
@@ -373,7 +374,9 @@ mod tests {
         }
         let found = pulled as f64 / f64::from(n);
         let expected = inputs.pulled_nodes;
+        // the nodes of a mode are pulled at together, so that the number scatters by more than a count of independent ones
         let error = (expected / f64::from(n)).sqrt();
+        println!("{found}, {expected} expected");
         assert!(expected > 0.1, "{expected}");
         assert!(
             (found - expected).abs() < 6.0 * error,
