@@ -3,7 +3,7 @@
 use microslip::ensemble::store::read_samples;
 use microslip::hb::PeakRoute;
 
-use super::small_models::{model, write_matrix};
+use super::small_models::{diagonal, model, write_matrix};
 use super::{change, microslip, succeed};
 
 const STUDY: &str = "\
@@ -124,18 +124,13 @@ fn another_maximum_of_the_branch_may_become_the_higher_one() {
         &[0.0, 0.0, 0.3, 0.0],
         &[0.0, 0.0, 0.0, 0.5],
     ];
-    let damping: [&[f64]; 4] = [
-        &[0.04, 0.0, 0.0, 0.0],
-        &[0.0, 0.04, 0.0, 0.0],
-        &[0.0, 0.0, 0.06, 0.0],
-        &[0.0, 0.0, 0.0, 0.06],
-    ];
     let mass: [&[f64]; 4] = [
         &[1.0, 0.2, 0.0, 0.1],
         &[0.2, 0.8, 0.1, 0.0],
         &[0.0, 0.1, 0.3, 0.05],
         &[0.1, 0.0, 0.05, 0.3],
     ];
+    let damping = diagonal(&[0.04, 0.04, 0.06, 0.06]);
     let folder = model(&[1.0; 4], &stiffness, &damping, TWO_MAXIMA);
     write_matrix(folder.path(), "mass.mtx", &mass);
     change(folder.path(), "levels = [0.1]", "levels = [0.3]");

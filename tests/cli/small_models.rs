@@ -8,30 +8,34 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// A symmetric matrix, row by row.
-pub(crate) fn write_matrix(folder: &Path, name: &str, rows: &[&[f64]]) {
+pub(crate) fn write_matrix(folder: &Path, name: &str, rows: &[impl AsRef<[f64]>]) {
     let n = rows.len();
     let mut text = format!("%%MatrixMarket matrix array real general\n{n} {n}\n");
-    for value in rows.iter().copied().flatten() {
+    for value in rows.iter().flat_map(AsRef::as_ref) {
         text += &format!("{value}\n");
     }
     std::fs::write(folder.join(name), text).unwrap();
 }
 
+/// Rows of the matrix with these values on its diagonal.
+pub(crate) fn diagonal(values: &[f64]) -> Vec<Vec<f64>> {
+    let row = |(i, value): (usize, &f64)| {
+        let mut row = vec![0.0; values.len()];
+        row[i] = *value;
+        row
+    };
+    values.iter().enumerate().map(row).collect()
+}
+
 /// The study `rest` of a model with these masses of the degrees of freedom, and these matrices.
 pub(crate) fn model(
     masses: &[f64],
-    stiffness: &[&[f64]],
-    damping: &[&[f64]],
+    stiffness: &[impl AsRef<[f64]>],
+    damping: &[impl AsRef<[f64]>],
     rest: &str,
 ) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let row = |(i, mass): (usize, &f64)| -> Vec<f64> {
-        let on_diagonal = |j: usize| if i == j { *mass } else { 0.0 };
-        (0..masses.len()).map(on_diagonal).collect()
-    };
-    let mass: Vec<Vec<f64>> = masses.iter().enumerate().map(row).collect();
-    let mass: Vec<&[f64]> = mass.iter().map(Vec::as_slice).collect();
-    write_matrix(folder.path(), "mass.mtx", &mass);
+    write_matrix(folder.path(), "mass.mtx", &diagonal(masses));
     write_matrix(folder.path(), "stiffness.mtx", stiffness);
     write_matrix(folder.path(), "damping.mtx", damping);
     let head = "\

@@ -62,8 +62,8 @@ fn oscillator(settings: &StepSineSettings, error: f64, noise: &mut Noise) -> Vec
 }
 
 /// The maximum of an oscillator is found exactly, and with errors within two of its deviations in 92 % of the tests: nine fitted steps leave four
-/// degrees of freedom, which alone make 88 %, and the deviations also hold what a degree less of the polynomial changes. Seen to fail with weights of
-/// 1.
+/// degrees of freedom, which alone make 88 %, and the deviations also hold what a degree less of the polynomial changes. Seen to fail with equal
+/// weights.
 #[test]
 fn a_fitted_peak_knows_its_error() {
     let settings = StepSineSettings::default();

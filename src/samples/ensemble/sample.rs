@@ -224,7 +224,7 @@ impl Ensemble<'_> {
     ) -> Result<Vec<Maxima>, ProblemError> {
         let stiffness = stiffness_at_rest(problem, self.settings.aft, self.peak.band.low);
         let modes = candidates(problem.model, &stiffness, self.peak.band)?;
-        let mut followed: Vec<Option<Extent>> = vec![None; levels.len()];
+        let mut extents: Vec<Option<Extent>> = vec![None; levels.len()];
         let search = |mode: &Candidate, wanted: &[usize], known: &[Maxima]| {
             let of_mode = ModeOfSample {
                 problem,
@@ -234,15 +234,15 @@ impl Ensemble<'_> {
                 known,
             };
             let found = self.of_mode(&of_mode, wanted, atlas);
-            let doubtful = wanted
-                .iter()
-                .zip(&found)
-                .filter(|(_, found)| found.is_doubtful);
-            doubtful.for_each(|(level, _)| followed[*level] = Some(Extent::Resonance));
+            for (level, found) in wanted.iter().zip(&found) {
+                if found.is_doubtful {
+                    extents[*level] = Some(Extent::Resonance);
+                }
+            }
             Ok::<_, ProblemError>(found)
         };
         let mut maxima = search_maxima(&modes, self.choice, levels, search)?;
-        for (level, followed) in followed.iter_mut().enumerate() {
+        for (level, extent) in extents.iter_mut().enumerate() {
             for mode in modes_on_branches(&modes, &atlas.modes_near(place, level)) {
                 let of_mode = ModeOfSample {
                     problem,
@@ -253,14 +253,14 @@ impl Ensemble<'_> {
                 };
                 let found = self.found_from_atlas(&of_mode, level, atlas);
                 if !maxima[level].add_predicted_on_branch(mode.mode, found) {
-                    *followed = Some(Extent::Band);
+                    *extent = Some(Extent::Band);
                 }
             }
         }
         let along = |found: &Solution, extent| {
             other_on_branch(problem, self.settings, self.peak, found, extent)
         };
-        add_other_on_branches(&mut maxima, self.choice, &followed, along);
+        add_other_on_branches(&mut maxima, self.choice, &extents, along);
         Ok(maxima)
     }
 

@@ -7,7 +7,8 @@
 //! The branch is followed on the harmonics of the study, whose heights do not tell which maximum is the higher on enough harmonics. So the
 //! highest other one gets as many as the alert asks for if it comes near. It is a start for other samples, too, where it may be the higher one.
 //!
-//! Where other samples predict the maximum, the branches of their maxima are known, and only other maxima of its resonance are looked for.
+//! A maximum that was predicted from other samples, whose branches are known, needs this only where the prediction is in doubt, on its
+//! resonance alone, or where another maximum of theirs is lost ([`Extent`]).
 
 use super::band::{SWEEP_STEP, swept_maximum};
 use super::predicted::on_harmonics;
