@@ -1,12 +1,13 @@
-//! Draws from the posterior, by chains of the no-U-turn sampler (`nuts`).
+//! Draws from the posterior, by ensembles of walkers (crate `hammer-and-sample`).
 //!
-//! Chain c is a function of the posterior, the seed and c: chains run on any number of threads and give the same draws.
+//! A chain is an ensemble of its own, a function of the posterior, the seed and its number: chains run on any number of threads and give
+//! the same draws.
 
-use super::nuts::Chain;
 use super::posterior::Posterior;
 use super::settings::CalibrationSettings;
 use crate::sampling::stream::{CALIBRATION, uniform};
 use crate::special::normal_quantile;
+use hammer_and_sample::{DifferentialEvolution, MinChainLen, Mixture, Model, Serial, sample};
 use libm::log;
 use rand::SeedableRng;
 use rand_chacha::ChaCha20Rng;
@@ -15,41 +16,71 @@ use rayon::prelude::*;
 /// Draws after the warm-up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chains {
-    /// Positions. Shape: chains × draws × dimension.
+    /// Positions; the walkers of a chain one after the other, from instant to instant. Shape: chains × draws × dimension.
     pub positions: Vec<Vec<Vec<f64>>>,
-    /// Draws whose path left the region where its steps are accurate.
-    pub divergences: usize,
+    /// Walkers of a chain. Their number divides half of the draws.
+    pub walkers: usize,
+    /// Share of the proposed moves that were taken.
+    pub acceptance: f64,
 }
 
-/// Draws of the prior among which the starts are chosen.
-const CANDIDATES: u64 = 20_000;
+/// Draws of the prior among which the start of a walker is chosen.
+const CANDIDATES: u64 = 250;
 /// Largest distance of a start from the median of the prior, in standard deviations: farther out a surrogate may mean nothing.
 const FARTHEST_START: f64 = 2.0;
+/// Fewest walkers of a chain; twice as many as unknowns where these are more.
+const FEWEST_WALKERS: usize = 20;
+/// Moves of a walker between two draws that are kept, per unknown.
+const MOVES: usize = 10;
+/// Scatter of the length of a move, relative.
+const SCATTER: f64 = 1e-5;
 
 impl Chains {
-    /// Draws from `posterior`.
+    /// Draws from `posterior`: as many of each chain as asked for, rounded up to whole instants of all walkers in both halves.
     ///
     /// # Errors
     /// If the density is finite nowhere that chains could start.
     pub fn draw(posterior: &Posterior<'_>, settings: &CalibrationSettings) -> Result<Self, String> {
-        let starts = starts(posterior, settings);
-        if starts.len() < settings.chains {
+        let walkers = FEWEST_WALKERS.max(2 * posterior.dimension());
+        let starts = starts(posterior, settings.seed, settings.chains * walkers);
+        if starts.len() < settings.chains * walkers {
             return Err("the density of the posterior is finite almost nowhere".to_owned());
         }
-        let chains = (starts.into_par_iter()).enumerate();
-        let all = chains.map(|(chain, start)| one(posterior, settings, chain, start));
-        let all: Vec<_> = all.collect::<Result<_, _>>()?;
-        let (positions, divergences): (Vec<_>, Vec<usize>) = all.into_iter().unzip();
+        let chains = starts.par_chunks(walkers).enumerate();
+        let all = chains.map(|(number, starts)| {
+            let mut ensemble = Ensemble::start(posterior, settings.seed, number as u64, starts);
+            for _ in 0..settings.warm_up.div_ceil(walkers) {
+                ensemble.advance();
+            }
+            ensemble.accepted = 0;
+            let instants = 2 * settings.draws.div_ceil(2 * walkers);
+            let draws = (0..instants).flat_map(|_| ensemble.advance().to_vec());
+            (draws.collect(), ensemble.accepted)
+        });
+        let all: Vec<(Vec<Vec<f64>>, usize)> = all.collect();
+        let (positions, accepted): (Vec<_>, Vec<usize>) = all.into_iter().unzip();
+        let draws: usize = positions.iter().map(Vec::len).sum();
+        let moves = draws * MOVES * posterior.dimension();
         Ok(Self {
             positions,
-            divergences: divergences.iter().sum(),
+            walkers,
+            acceptance: accepted.iter().sum::<usize>() as f64 / moves as f64,
         })
     }
 
-    /// One number of each draw. Shape: chains × draws.
+    /// One number of each draw, as diagnostics of chains want it: walker after walker, so that what follows another is the next draw of
+    /// the same walker; the first half of the time before the second. Shape: chains × draws.
     pub fn each(&self, number: impl Fn(&[f64]) -> f64) -> Vec<Vec<f64>> {
-        let chain = |chain: &Vec<Vec<f64>>| chain.iter().map(|p| number(p)).collect();
-        self.positions.iter().map(chain).collect()
+        let of_chain = |chain: &Vec<Vec<f64>>| {
+            let halves = chain.chunks(chain.len() / 2);
+            let of_half = |half: &[Vec<f64>]| {
+                let walker = |w: usize| half.iter().skip(w).step_by(self.walkers);
+                let all = (0..self.walkers).flat_map(walker);
+                all.map(|position| number(position)).collect::<Vec<f64>>()
+            };
+            halves.flat_map(of_half).collect()
+        };
+        self.positions.iter().map(of_chain).collect()
     }
 
     /// Draws of all chains, one chain after the other.
@@ -58,56 +89,83 @@ impl Chains {
     }
 }
 
-/// Positions of one chain, and its divergences.
-fn one(
-    posterior: &Posterior<'_>,
-    settings: &CalibrationSettings,
-    chain: usize,
-    start: Vec<f64>,
-) -> Result<(Vec<Vec<f64>>, usize), String> {
-    let mut key = [0; 32];
-    key[..8].copy_from_slice(&settings.seed.to_le_bytes());
-    // apart from the numbers of samples, which have the rest of the key 0
-    key[8] = 1;
-    let mut generator = ChaCha20Rng::from_seed(key);
-    generator.set_stream(chain as u64);
-    let density =
-        |position: &[f64], gradient: &mut [f64]| posterior.log_density(position, gradient);
-    let sampler = Chain::start(&density, start, generator);
-    let mut sampler = sampler.ok_or_else(|| {
-        format!("the density of the posterior is not finite where chain {chain} starts")
-    })?;
-    sampler.warm_up(settings.warm_up);
-    let (mut positions, mut divergences) = (Vec::new(), 0);
-    for _ in 0..settings.draws {
-        let (position, diverged) = sampler.draw();
-        positions.push(position.to_vec());
-        divergences += usize::from(diverged);
-    }
-    Ok((positions, divergences))
+/// Walkers that propose moves along the differences between others: such moves have the posterior's shape, however narrow it is in some
+/// direction. Every tenth goes the whole difference, so that walkers change between combinations of inputs that both have weight.
+///
+/// Source: ter Braak 2006, Stat. Comput. 16, 239–249; Nelson, Ford & Payne 2014, Astrophys. J. Suppl. 210, 11.
+struct Ensemble<'a> {
+    posterior: &'a Posterior<'a>,
+    moves: Mixture<u32, (DifferentialEvolution, DifferentialEvolution)>,
+    positions: Vec<Vec<f64>>,
+    generators: Vec<ChaCha20Rng>,
+    accepted: usize,
 }
 
-/// Where chains start: draws of the prior, taken without replacement by their likelihood. So a mode of the posterior has chains by its weight,
-/// not by the region from which a path falls into it. Standard deviations begin at their scales.
+impl<'a> Ensemble<'a> {
+    fn start(posterior: &'a Posterior<'a>, seed: u64, chain: u64, starts: &[Vec<f64>]) -> Self {
+        let mut key = [0; 32];
+        key[..8].copy_from_slice(&seed.to_le_bytes());
+        // apart from the numbers of samples, which have the rest of the key 0
+        key[8] = 1;
+        key[16..24].copy_from_slice(&chain.to_le_bytes());
+        let generator = |walker: u64| {
+            let mut generator = ChaCha20Rng::from_seed(key);
+            generator.set_stream(walker);
+            generator
+        };
+        let best = 2.38 / (2.0 * posterior.dimension() as f64).sqrt();
+        let local = DifferentialEvolution::new(best, SCATTER);
+        let whole = DifferentialEvolution::new(1.0, SCATTER);
+        Self {
+            posterior,
+            moves: Mixture::from(((local, 9), (whole, 1))),
+            positions: starts.to_vec(),
+            generators: (0..starts.len() as u64).map(generator).collect(),
+            accepted: 0,
+        }
+    }
+
+    /// Moves all walkers until their next draws are nearly independent of the last; these.
+    fn advance(&mut self) -> &[Vec<f64>] {
+        let walkers = self.positions.len();
+        let moves = walkers * MOVES * self.posterior.dimension();
+        let places = self.positions.drain(..).zip(&mut self.generators);
+        let moves = MinChainLen(moves);
+        let (mut passed, accepted) = sample(self.posterior, &self.moves, places, moves, Serial);
+        self.accepted += accepted;
+        self.positions = passed.split_off(passed.len() - walkers);
+        &self.positions
+    }
+}
+
+impl Model for Posterior<'_> {
+    type Params = Vec<f64>;
+
+    fn log_prob(&self, position: &Vec<f64>) -> f64 {
+        self.log_density(position)
+    }
+}
+
+/// Where `wanted` walkers start: draws of the prior, taken without replacement by their likelihood. So a mode of the posterior has
+/// walkers by its weight, not by the region from which a walker falls into it.
 ///
 /// Source: Efraimidis & Spirakis 2006, Inf. Process. Lett. 97, 181–185, in logarithms.
-fn starts(posterior: &Posterior<'_>, settings: &CalibrationSettings) -> Vec<Vec<f64>> {
-    let scores = posterior.scores();
+fn starts(posterior: &Posterior<'_>, seed: u64, wanted: usize) -> Vec<Vec<f64>> {
+    let unknowns = posterior.dimension();
     let draw = |index: u64| {
-        let number = |dimension| uniform(settings.seed, index, dimension);
+        let number = |dimension| uniform(seed, index, dimension);
         let z =
             |dimension| normal_quantile(number(dimension)).clamp(-FARTHEST_START, FARTHEST_START);
-        let mut start: Vec<f64> = (CALIBRATION..).take(scores).map(z).collect();
+        let start: Vec<f64> = (CALIBRATION..).take(unknowns).map(z).collect();
         let prior = -0.5 * start.iter().map(|z| z * z).sum::<f64>();
-        start.resize(posterior.dimension(), 0.0);
-        let mut gradient = vec![0.0; start.len()];
-        let likelihood = posterior.log_density(&start, &mut gradient) - prior;
-        let drawn = CALIBRATION + scores as u32;
+        let likelihood = posterior.log_density(&start) - prior;
+        let drawn = CALIBRATION + unknowns as u32;
         (likelihood - log(-log(number(drawn))), start)
     };
-    let mut drawn: Vec<(f64, Vec<f64>)> = (0..CANDIDATES).into_par_iter().map(draw).collect();
+    let candidates = CANDIDATES * wanted as u64;
+    let mut drawn: Vec<(f64, Vec<f64>)> = (0..candidates).into_par_iter().map(draw).collect();
     drawn.retain(|(key, _)| key.is_finite());
     drawn.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    let taken = drawn.into_iter().take(settings.chains);
+    let taken = drawn.into_iter().take(wanted);
     taken.map(|(_, start)| start).collect()
 }

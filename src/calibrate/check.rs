@@ -54,7 +54,7 @@ pub(super) fn errors(
     for (scores, results) in scores.iter().zip(results) {
         let predicted = surrogates.predict(&posterior.prior().coordinates(scores));
         let each = predicted.iter().zip(&surrogates.all);
-        let of_draw = each.map(|((predicted, _), surrogate)| {
+        let of_draw = each.map(|(predicted, surrogate)| {
             results[surrogate.level][surrogate.quantity as usize] - predicted
         });
         let of_draw: Vec<f64> = of_draw.collect();

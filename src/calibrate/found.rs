@@ -55,8 +55,8 @@ pub struct Calibration {
     pub observations: Vec<Checked>,
     /// Posterior predictive p-value of all observations together; small = the model misfits.
     pub misfit_probability: f64,
-    /// Draws whose path left the region where its steps are accurate.
-    pub divergences: usize,
+    /// Share of the proposed moves of the chains that were taken.
+    pub acceptance: f64,
     /// What to look at before the result is used.
     pub warnings: Vec<String>,
 }

@@ -21,7 +21,6 @@ pub mod calibration;
 pub mod chains;
 mod check;
 pub mod found;
-mod nuts;
 pub mod observation;
 pub mod page;
 pub mod posterior;
@@ -30,7 +29,6 @@ pub mod prior;
 pub mod settings;
 mod summary;
 pub mod surrogate;
-mod warm_up;
 mod warnings;
 pub mod write;
 

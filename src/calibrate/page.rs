@@ -245,7 +245,7 @@ fn surrogate_table(summary: &Calibration) -> Block {
         "surrogates",
         &[
             ("Level", &["level"]),
-            ("ObservedQuantity", &["quantity"]),
+            ("Quantity", &["quantity"]),
             ("Held out", &["held_out_rms"]),
             ("In the likelihood", &["deviation"]),
             ("At the posterior", &["at_posterior_rms"]),

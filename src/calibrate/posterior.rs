@@ -1,4 +1,4 @@
-//! Density of the posterior with its gradient.
+//! Density of the posterior.
 //!
 //! Mean of a measured number: y = m(z) + surrogate's error + discrepancy + measurement error, all normal. Hence ln
 //! p = −½ |z|² − ½ Σ ((y − m)² / V + ln V) with V = σ²/n + s² + d² (Kennedy & O'Hagan, J. R. Stat. Soc. B 63 (2001) 425–464, with
@@ -105,7 +105,7 @@ impl<'a> Posterior<'a> {
         let predicted = self.surrogates.predict(&self.prior.coordinates(scores));
         let means = self.observations.means.iter().enumerate();
         means
-            .map(|(o, of)| [predicted[o].0, self.variance(o, of, logs)])
+            .map(|(o, of)| [predicted[o], self.variance(o, of, logs)])
             .collect()
     }
 
@@ -116,36 +116,16 @@ impl<'a> Posterior<'a> {
         observation.variance + surrogate + unknown.sum::<f64>()
     }
 
-    /// Logarithm of the density but for a constant, and its gradient. Shape: both of [`Posterior::dimension`].
+    /// Logarithm of the density but for a constant. Shape of `position`: [`Posterior::dimension`].
     #[must_use]
-    pub fn log_density(&self, position: &[f64], gradient: &mut [f64]) -> f64 {
-        let (scores, logs) = position.split_at(self.scores());
-        let (by_score, by_log) = gradient.split_at_mut(self.scores());
-        let at = self.prior.coordinates(scores);
-        let predicted = self.surrogates.predict(&at);
-        let mut density = -0.5 * scores.iter().map(|z| z * z).sum::<f64>();
-        for (slot, log) in by_log.iter_mut().zip(logs) {
-            density -= 0.5 * log * log;
-            *slot = -log;
-        }
-        let mut by_coordinate = vec![0.0; scores.len()];
-        let means = self.observations.means.iter().enumerate();
-        for ((o, observation), (mean, slopes)) in means.zip(&predicted) {
-            let variance = self.variance(o, observation, logs);
-            let away = observation.mean - mean;
-            density -= 0.5 * (away * away / variance + log(variance));
-            for (slot, slope) in by_coordinate.iter_mut().zip(slopes) {
-                *slot += away / variance * slope;
-            }
-            let by_variance = 0.5 * (away * away / variance - 1.0) / variance;
-            for ((slot, log), deviation) in by_log.iter_mut().zip(logs).zip(&self.deviations) {
-                *slot += 2.0 * by_variance * deviation.variance(*log, observation);
-            }
-        }
-        let pulled = self.prior.gradient(&at, &by_coordinate);
-        for ((slot, z), g) in by_score.iter_mut().zip(scores).zip(pulled) {
-            *slot = g - z;
-        }
-        density
+    pub fn log_density(&self, position: &[f64]) -> f64 {
+        let prior = -0.5 * position.iter().map(|z| z * z).sum::<f64>();
+        let observations = self.observations.means.iter();
+        let predictions = self.predictions(position);
+        let misfits = observations.zip(predictions).map(|(o, [mean, variance])| {
+            let away = o.mean - mean;
+            -0.5 * (away * away / variance + log(variance))
+        });
+        prior + misfits.sum::<f64>()
     }
 }

@@ -3,7 +3,7 @@
 use crate::sampling::correlation::Copula;
 use crate::sampling::{Design, Distribution, Input};
 use crate::setting::BadSetting;
-use crate::special::{normal_cdf, normal_density, normal_quantile};
+use crate::special::{normal_cdf, normal_quantile};
 use crate::statistics::Polynomials;
 
 /// Least distance of a probability from 0 and 1: of a value at the end of its distribution.
@@ -22,15 +22,6 @@ pub struct Prior {
     all: Vec<f64>,
     /// Places of the random inputs among all.
     places: Vec<usize>,
-}
-
-/// Coordinates of a surrogate at some scores.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Coordinates {
-    /// Shape: `[random inputs]`.
-    pub values: Vec<f64>,
-    /// Derivative of each by its own correlated score.
-    pub slopes: Vec<f64>,
 }
 
 impl Prior {
@@ -58,12 +49,12 @@ impl Prior {
         BadSetting::unless(!places.is_empty(), "inputs", "(none)", rule)?;
         let inputs: Vec<_> = places.iter().map(|j| design.inputs()[*j].clone()).collect();
         Ok(Self {
-            polynomials: inputs.iter().map(|(_, law)| polynomials(law)).collect(),
+            polynomials: (inputs.iter())
+                .map(|(_, law)| Polynomials::of_law(law.is_gaussian()))
+                .collect(),
             inputs,
             copula: design.correlation().and_then(Copula::new),
-            all: (design.inputs().iter())
-                .map(|(_, distribution)| distribution.quantile(0.5))
-                .collect(),
+            all: design.medians(),
             places,
         })
     }
@@ -116,15 +107,14 @@ impl Prior {
 
     /// Coordinates of a surrogate at `scores`. Shape: `[random inputs]`.
     #[must_use]
-    pub fn coordinates(&self, scores: &[f64]) -> Coordinates {
-        let correlated = self.correlated(scores);
-        let of = |(z, basis): (&f64, &Polynomials)| match basis {
-            Polynomials::Hermite => (*z, 1.0),
-            Polynomials::Legendre => (normal_cdf(*z), normal_density(*z)),
+    pub fn coordinates(&self, scores: &[f64]) -> Vec<f64> {
+        let correlated = self.correlated(scores).into_iter();
+        let bases = self.polynomials.iter();
+        let of = |(z, basis): (f64, &Polynomials)| match basis {
+            Polynomials::Hermite => z,
+            Polynomials::Legendre => normal_cdf(z),
         };
-        let pairs = correlated.iter().zip(&self.polynomials).map(of);
-        let (values, slopes) = pairs.unzip();
-        Coordinates { values, slopes }
+        correlated.zip(bases).map(of).collect()
     }
 
     /// Coordinates of a surrogate at the values of all inputs of a sample. Shape: `[random inputs]`.
@@ -140,24 +130,5 @@ impl Prior {
                 }
             })
             .collect()
-    }
-
-    /// Gradient by the scores of a function with the gradient `by_coordinates`. Shape: `[random inputs]`.
-    #[must_use]
-    pub fn gradient(&self, at: &Coordinates, by_coordinates: &[f64]) -> Vec<f64> {
-        let by_correlated = by_coordinates.iter().zip(&at.slopes).map(|(g, s)| g * s);
-        let by_correlated: Vec<f64> = by_correlated.collect();
-        match &self.copula {
-            Some(copula) => copula.pull_back(&by_correlated),
-            None => by_correlated,
-        }
-    }
-}
-
-/// Polynomials that are orthogonal under an input's law, or that of its distribution function.
-fn polynomials(law: &Distribution) -> Polynomials {
-    match law.is_gaussian() {
-        true => Polynomials::Hermite,
-        false => Polynomials::Legendre,
     }
 }

@@ -41,7 +41,6 @@ pub(super) fn summary(of: Origin, rounds: Vec<Round>, drawn: &Drawn<'_>) -> Cali
     let observations = observations(drawn);
     let positions: Vec<&[f64]> = chains.all().collect();
     let misfit_probability = misfit(posterior, &positions);
-    let divergent = chains.divergences as f64 / positions.len() as f64;
     Calibrated {
         summary: Calibration {
             warnings: warnings(&Judged {
@@ -52,7 +51,6 @@ pub(super) fn summary(of: Origin, rounds: Vec<Round>, drawn: &Drawn<'_>) -> Cali
                 levels: &of.levels,
                 rounds: &rounds,
                 misfit: misfit_probability,
-                divergent,
             }),
             origin: of,
             settings: drawn.settings.clone(),
@@ -62,7 +60,7 @@ pub(super) fn summary(of: Origin, rounds: Vec<Round>, drawn: &Drawn<'_>) -> Cali
             deviations,
             observations,
             misfit_probability,
-            divergences: chains.divergences,
+            acceptance: chains.acceptance,
         },
         draws,
     }

@@ -1,7 +1,7 @@
 //! Surrogates of frequency and amplitude at each measured level, and what they are worth.
 
 use super::observation::ObservedQuantity;
-use super::prior::{Coordinates, Prior};
+use super::prior::Prior;
 use crate::statistics::{
     Chaos, ChaosRefusal, ChaosSettings, HoldOutSettings, PredictionError, SurrogateSamples,
     cross_fit,
@@ -88,13 +88,11 @@ impl Surrogates {
         Ok(Self { all })
     }
 
-    /// Predictions and their gradients by the coordinates, in the order of [`Surrogates::all`].
+    /// Predictions at the coordinates `at`, in the order of [`Surrogates::all`].
     #[must_use]
-    pub fn predict(&self, at: &Coordinates) -> Vec<(f64, Vec<f64>)> {
+    pub fn predict(&self, at: &[f64]) -> Vec<f64> {
         let expansions = self.all.iter().map(|surrogate| &surrogate.expansion);
-        expansions
-            .map(|expansion| expansion.predict_with_gradient(&at.values))
-            .collect()
+        expansions.map(|expansion| expansion.predict(at)).collect()
     }
 }
 

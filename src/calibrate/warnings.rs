@@ -18,8 +18,6 @@ const LEAST_SIDE: f64 = 0.005;
 const LEAST_MISFIT: f64 = 0.01;
 /// Smallest probability of the scatter of repetitions at which stated deviations count as right.
 const LEAST_STATED: f64 = 0.01;
-/// Largest share of draws whose path diverged.
-const MOST_DIVERGENT: f64 = 0.01;
 
 /// How to find why draws have no solution.
 const WHY_UNSOLVED: &str = "a run whose design is posterior.csv tells the status of each (the band of [frequency] may end too near)";
@@ -33,7 +31,6 @@ pub(super) struct Judged<'a> {
     pub(super) levels: &'a [f64],
     pub(super) rounds: &'a [Round],
     pub(super) misfit: f64,
-    pub(super) divergent: f64,
 }
 
 /// All warnings, the most serious kind first.
@@ -64,10 +61,6 @@ pub(super) fn warnings(of: &Judged<'_>) -> Vec<String> {
             .chain(of_deviations)
             .filter_map(|(name, m)| unmixed(&name, m)),
     );
-    if of.divergent > MOST_DIVERGENT {
-        let percent = 100.0 * of.divergent;
-        found.push(format!("the paths of {percent:.1} % of the draws diverged: the tails of the posterior may be missing"));
-    }
     found
 }
 

@@ -74,7 +74,7 @@ impl CalibrateArguments {
         messages.log.write(&Event::Finished(json!({
             "folder": output.path().display().to_string(),
             "rounds": found.summary.rounds.len(),
-            "divergences": found.summary.divergences,
+            "acceptance": found.summary.acceptance,
             "misfit_probability": found.summary.misfit_probability,
         })));
         if messages.quiet {
@@ -130,8 +130,8 @@ fn show(out: &mut dyn Write, found: &Calibration) -> std::io::Result<()> {
     let effective = effective.fold(f64::INFINITY, f64::min);
     writeln!(
         out,
-        "R-hat at most {r_hat:.4}, {effective:.0} effective draws or more, {} divergences",
-        found.divergences
+        "R-hat at most {r_hat:.4}, {effective:.0} effective draws or more, {:.0} % of the moves taken",
+        100.0 * found.acceptance
     )?;
     if let Some(last) = found.rounds.last() {
         let rounds = match found.rounds.len() {

@@ -49,6 +49,7 @@ fn a_simulated_response_gives_its_truth_back() {
         "stiffness_scale",
         "What the model predicts",
         "R-hat",
+        ">Quantity<",
         "<svg",
     ] {
         assert!(page.contains(shown), "{shown} is not on the page");

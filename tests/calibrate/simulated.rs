@@ -6,7 +6,7 @@ use microslip::calibrate::{CalibrationSettings, Chains, Posterior};
 
 /// Calibrations.
 const TRIALS: u64 = 60;
-/// Draws of each that a rank is counted among: every 20th of 200.
+/// Draws of each that a rank is counted among, evenly over all of them.
 const RANKED: usize = 10;
 
 fn response(x: &[f64]) -> [f64; 2] {
@@ -59,7 +59,8 @@ fn truths_rank_evenly_among_the_draws() {
         };
         let chains = Chains::draw(&posterior, &settings).unwrap();
         for (j, ranks) in ranks.iter_mut().enumerate() {
-            let draws = chains.all().step_by(200 / RANKED);
+            let step = chains.all().count() / RANKED;
+            let draws = chains.all().step_by(step).take(RANKED);
             let below = draws.filter(|position| prior.values(position)[j] < truth[j]);
             ranks.push(below.count());
         }

@@ -26,6 +26,15 @@ pub enum Polynomials {
 const LEAST_PROBABILITY: f64 = 1e-15;
 
 impl Polynomials {
+    /// Polynomials that are orthogonal under an input's law if that is `gaussian`, else under that of its distribution function.
+    #[must_use]
+    pub fn of_law(gaussian: bool) -> Self {
+        match gaussian {
+            true => Self::Hermite,
+            false => Self::Legendre,
+        }
+    }
+
     /// The input's coordinate where its distribution function is `u`, from 0 to 1.
     #[must_use]
     pub fn coordinate(self, u: f64) -> f64 {
@@ -397,7 +406,7 @@ impl Chaos {
     }
 
     /// Polynomials of each input up to the highest degree that it has in a term.
-    pub(super) fn powers(&self, inputs: &[f64]) -> Vec<Vec<f64>> {
+    fn powers(&self, inputs: &[f64]) -> Vec<Vec<f64>> {
         let highest = |j: usize| self.terms.iter().map(|t| t.degrees[j]).max().unwrap_or(0);
         let powers = inputs.iter().zip(&self.polynomials).enumerate();
         powers

@@ -24,7 +24,6 @@ pub mod band;
 pub mod bin;
 pub mod bootstrap;
 pub mod chaos;
-mod chaos_gradient;
 pub mod comparison;
 pub mod control_variate;
 pub mod convergence;

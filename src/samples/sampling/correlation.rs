@@ -200,13 +200,6 @@ impl Copula {
         self.factor.iter().map(row).collect()
     }
 
-    /// Lᵀ g: gradient by the independent scores of a function with gradient `g` by the correlated ones. Shape: `[inputs]`.
-    #[must_use]
-    pub fn pull_back(&self, g: &[f64]) -> Vec<f64> {
-        let column = |j: usize| self.factor.iter().zip(g).map(|(row, g)| row[j] * g).sum();
-        (0..g.len()).map(column).collect()
-    }
-
     /// Correlates independent uniform numbers. Numbers of uncorrelated inputs keep every bit; none is ever 0 or 1.
     ///
     /// Shape: `u` `[inputs]`, in the order of the matrix.

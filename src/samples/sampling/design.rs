@@ -204,6 +204,14 @@ impl Design {
             .collect()
     }
 
+    /// Medians of the inputs.
+    #[must_use]
+    pub fn medians(&self) -> Vec<f64> {
+        let laws = self.inputs.iter();
+        laws.map(|(_, distribution)| distribution.quantile(0.5))
+            .collect()
+    }
+
     /// Values of the inputs at a place in the unit cube: their quantiles. The inverse of [`Design::place`].
     #[must_use]
     pub fn values_at(&self, place: &[f64]) -> Vec<f64> {
