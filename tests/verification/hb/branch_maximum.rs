@@ -3,9 +3,11 @@
 use super::invariants::settings;
 use super::models::{four_masses, open_contact, with_problem};
 use microslip::contact::{Events, FrictionLaw};
+use microslip::hb::newton::rest::stiffness_at_rest;
+use microslip::hb::peak::branch_maximum::{Extent, other_on_branch};
 use microslip::hb::peak::search::PeakSettings;
-use microslip::hb::peak::track::track_peaks;
-use microslip::hb::structure::resonance::Band;
+use microslip::hb::peak::track::{Locating, track_mode, track_peaks};
+use microslip::hb::structure::resonance::{Band, candidates};
 use microslip::hb::{AlertSettings, PeakRoute, Solution};
 use std::f64::consts::TAU;
 
@@ -50,20 +52,22 @@ fn amplitude_from_rest(level: f64, omega: f64) -> f64 {
     2.0 / STEPS as f64 * sums[0].hypot(sums[1])
 }
 
+/// The searches on [`open_contact`].
+const SEARCH: PeakSettings = PeakSettings {
+    band: Band {
+        low: 0.5,
+        high: 3.5,
+    },
+    frequency_tolerance: 1e-9,
+};
+
 /// The contact opens in every period, and the search of the first mode ends at the maximum of the second. The one of the first is higher by
 /// three quarters; time integration from rest has it, too.
 #[test]
 fn the_peak_is_the_top_of_its_branch() {
-    let search = PeakSettings {
-        band: Band {
-            low: 0.5,
-            high: 3.5,
-        },
-        frequency_tolerance: 1e-9,
-    };
     with_problem(&open_contact(), |problem| {
         let settings = settings(9, FrictionLaw::Box);
-        let found = track_peaks(problem, &settings, search, &LEVELS).expect("modes");
+        let found = track_peaks(problem, &settings, SEARCH, &LEVELS).expect("modes");
         let mut routes = Vec::new();
         for (level, found) in LEVELS.into_iter().zip(found) {
             let peak = found.solution.expect("a peak");
@@ -77,6 +81,38 @@ fn the_peak_is_the_top_of_its_branch() {
             routes.extend(peak.route);
         }
         assert_eq!(routes.last(), Some(&PeakRoute::OnBranch), "{routes:?}");
+    });
+}
+
+/// A branch is followed through the whole band to the higher maximum of another resonance, or on its own resonance alone, which costs less and
+/// has none. Seen to fail with both extents alike.
+#[test]
+fn a_branch_is_followed_as_far_as_asked() {
+    with_problem(&open_contact(), |problem| {
+        let (level, settings) = (LEVELS[2], settings(9, FrictionLaw::Box));
+        let stiffness = stiffness_at_rest(problem, settings.aft, SEARCH.band.low);
+        let modes = candidates(problem.model, &stiffness, SEARCH.band).expect("modes");
+        let [_, second] = &modes[..] else {
+            panic!("two modes: {modes:?}");
+        };
+        let tracked = track_mode(
+            problem,
+            &settings,
+            SEARCH,
+            second,
+            &[level],
+            Locating::Newton,
+        );
+        let low = tracked[0].solution.as_ref().expect("a peak");
+        let [(near, less), (far, more)] = [Extent::Resonance, Extent::Band]
+            .map(|extent| other_on_branch(problem, &settings, SEARCH, low, extent));
+        let far = far.expect("the maximum of the first mode");
+        let ratio = far.amplitude(0) / low.amplitude(0);
+        println!("{ratio} times as high; {less:?}, {more:?}");
+        assert!(ratio > 1.5, "{ratio}");
+        assert!(near.is_none(), "{near:?}");
+        let (less, more) = (less.iterations, more.iterations);
+        assert!(3 * less < 2 * more, "{less} of {more} iterations");
     });
 }
 

@@ -34,8 +34,8 @@ use std::ops::ControlFlow;
 const ADVANCE: f64 = 0.1;
 /// Share by which another maximum must be higher.
 const LEAST_GAIN: f64 = 1e-3;
-/// Another maximum competes that is at least so high beside the one found, on the harmonics of the study.
-const COMPETES: f64 = 0.92;
+/// Another maximum comes near that is at least so high beside the one found, on the harmonics of the study.
+const COMES_NEAR: f64 = 0.92;
 /// Maxima of one branch on other harmonics are one up to this relative distance of frequency.
 const SAME: f64 = 5e-3;
 /// The branch of one resonance ends where the amplitude is below this share of its maximum.
@@ -92,14 +92,14 @@ fn competing(
     let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
     let own = height(&start);
     let is_known = |other: f64| is_near(other, omega) || is_near(other, found.omega);
-    let competes = |other: &Located<'_>| match height(other) {
+    let comes_near = |other: &Located<'_>| match height(other) {
         higher if higher > (1.0 + LEAST_GAIN) * own => true,
-        lower => lower >= COMPETES * own && !is_known(other.iterate.point.omega),
+        lower => lower >= COMES_NEAR * own && !is_known(other.iterate.point.omega),
     };
     // more harmonics may split the maximum into two, or have led to one that does not belong to it
     let start = (!is_near(omega, found.omega)).then_some(start);
-    let competing = maxima.into_iter().filter(competes);
-    let refined = match competing.reduce(|best, other| higher(&balance, best, other)) {
+    let near = maxima.into_iter().filter(comes_near);
+    let refined = match near.reduce(|best, other| higher(&balance, best, other)) {
         Some(other) => refined_beside(&balance, other, settings, peak, found),
         None => refined_maximum(&balance, start?, settings, peak),
     };
@@ -201,17 +201,17 @@ fn on_side<'p>(
         largest_advance: ADVANCE,
     };
     let start = Iterate::new(balance, start.clone());
-    let mut least = start.response(balance).norm();
+    let mut highest = start.response(balance).norm();
     let mut maxima: Vec<Located<'p>> = Vec::new();
     let end = follow(balance, start, sweep, newton, |from, to| {
         let top = f64::max(from.response.norm(), to.response.norm());
-        if HIDDEN * top > least {
+        if HIDDEN * top > highest {
             let segment = BranchSegment::new(&from, to);
             let located = maximum_on(&segment, balance, peak, newton);
-            least = least.max(top);
+            highest = highest.max(top);
             maxima.extend(located);
         }
-        match extent == Extent::Resonance && to.response.norm() < FAR * least {
+        match extent == Extent::Resonance && to.response.norm() < FAR * highest {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
