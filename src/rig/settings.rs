@@ -6,6 +6,7 @@ use crate::model::two_blade::TwoBladeSettings;
 use crate::setting::{
     BadSetting, Plain, friction_coefficient, non_negative, positive, within, without_round_off,
 };
+use crate::units::n_per_m_to_n_per_um;
 use std::path::PathBuf;
 
 /// Specimens at most.
@@ -47,8 +48,8 @@ impl Default for ContactTruth {
         let interface = InterfaceSettings::default();
         Self {
             friction_coefficient: interface.friction_coefficient,
-            tangential_stiffness_n_per_um: interface.tangential_stiffness * 1e-6,
-            normal_stiffness_n_per_um: interface.normal_stiffness * 1e-6,
+            tangential_stiffness_n_per_um: n_per_m_to_n_per_um(interface.tangential_stiffness),
+            normal_stiffness_n_per_um: n_per_m_to_n_per_um(interface.normal_stiffness),
             specimens: 1,
             friction_scatter_percent: 0.0,
             stiffness_scatter_percent: 0.0,

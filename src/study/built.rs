@@ -96,10 +96,7 @@ impl Study {
                 interface,
                 pressure,
             } => {
-                let rig = two_blade::build(blades).map_err(|error| match error {
-                    ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
-                    error => Error::Model(error),
-                })?;
+                let rig = two_blade::build(blades).map_err(|error| self.bad_model(error))?;
                 let edge = self.has_input(Input::EdgePressure);
                 let inputs = PressureInputs::new(blades, edge, pressure.as_ref());
                 let rig = rig.with_pressure(inputs.map_err(ModelError::from)?);
@@ -126,6 +123,13 @@ impl Study {
         }
     }
 
+    fn bad_model(&self, error: ModelError) -> Error {
+        match error {
+            ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
+            error => Error::Model(error),
+        }
+    }
+
     fn bad_matrices(&self, error: MatricesError) -> Error {
         match error {
             MatricesError::Setting(bad) => self.bad_setting(&bad.under("model")),
@@ -137,10 +141,8 @@ impl Study {
         let n = settings.sectors;
         let (mut disk, contacts, components) = match &settings.sector {
             SectorSettings::BladeStrip { blades, interface } => {
-                let built = two_blade::sector(blades, n).map_err(|error| match error {
-                    ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
-                    error => Error::Model(error),
-                })?;
+                let built = two_blade::sector(blades, n);
+                let built = built.map_err(|error| self.bad_model(error))?;
                 let contacts = interface.parameters(&built.disk.contacts);
                 let components = vec![("blade", built.blade), ("strip", built.strip)];
                 (built.disk, contacts, components)

@@ -7,7 +7,7 @@ use arrow_array::types::{Float64Type, Int64Type};
 use arrow_ipc::reader::FileReader as ArrowReader;
 use microslip::ensemble::arrow::write_arrow;
 use microslip::ensemble::outcome::{MaybeReal, PeakRecord};
-use microslip::ensemble::store::{read_samples, write_samples};
+use microslip::ensemble::store::{StoredSamples, read_samples, write_samples};
 use microslip::ensemble::table::TableError;
 use microslip::file::{FileRecord, replace};
 use parquet::arrow::ArrowWriter;
@@ -20,14 +20,8 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
-/// Inputs, statuses, peaks and counts come back bit by bit, over more than one row group; failed samples have
-/// nulls. Seen to fail with the definition levels swapped (1 for absent), and with lists that all begin anew at each value.
-#[test]
-fn samples_survive_the_round_trip() {
-    let mut study = SyntheticStudy::new(4200);
-    if let Some(peak) = &mut study.outcomes[3].levels[1].peak {
-        peak.truncation_error = MaybeReal::NONE;
-    }
+/// The samples of a study, written to a file and read back.
+fn round_trip(study: &SyntheticStudy) -> StoredSamples {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("samples.parquet");
     write_samples(
@@ -37,7 +31,18 @@ fn samples_survive_the_round_trip() {
         &study.outcomes,
     )
     .unwrap();
-    let stored = read_samples(&path).unwrap();
+    read_samples(&path).unwrap()
+}
+
+/// Inputs, statuses, peaks and counts come back bit by bit, over more than one row group; failed samples have
+/// nulls. Seen to fail with the definition levels swapped (1 for absent), and with lists that all begin anew at each value.
+#[test]
+fn samples_survive_the_round_trip() {
+    let mut study = SyntheticStudy::new(4200);
+    if let Some(peak) = &mut study.outcomes[3].levels[1].peak {
+        peak.truncation_error = MaybeReal::NONE;
+    }
+    let stored = round_trip(&study);
     assert_eq!(stored.input_names, study.input_names());
     assert_eq!(stored.metadata["study"], "Two blades with a strip");
     assert_eq!(stored.metadata["seed"], "20260731");
@@ -70,16 +75,7 @@ fn failed_and_non_finite_numbers_are_null() {
     if let Some(peak) = &mut study.outcomes[1].levels[0].peak {
         peak.truncation_error = Some(f64::NAN).into();
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("samples.parquet");
-    write_samples(
-        &path,
-        &study.record.provenance,
-        &study.input_names(),
-        &study.outcomes,
-    )
-    .unwrap();
-    let stored = read_samples(&path).unwrap();
+    let stored = round_trip(&study);
     assert!(stored.outcomes[0].levels[0].peak.is_none());
     assert_eq!(
         stored.outcomes[1].levels[0]

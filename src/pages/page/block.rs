@@ -313,6 +313,12 @@ impl Cell {
         }
     }
 
+    /// A whole number.
+    #[must_use]
+    pub fn whole(n: u64) -> Self {
+        Self::number(n.to_string(), Some(n as f64))
+    }
+
     /// With further numbers for the download, such as the limits of an interval.
     pub fn with_raw(mut self, values: impl IntoIterator<Item = Option<f64>>) -> Self {
         self.raw.extend(values.into_iter().map(full));

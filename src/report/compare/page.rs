@@ -360,7 +360,7 @@ fn pair_row(view: &ComparisonView, i: usize, quantity: Compared, pair: &Pair) ->
         median,
         share_cell(Some(&pair.comparison.a_better)),
         share_cell(Some(&pair.comparison.b_better)),
-        Cell::number(unknown.to_string(), Some(unknown as f64)),
+        Cell::whole(unknown as u64),
     ]
 }
 

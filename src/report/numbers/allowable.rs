@@ -33,7 +33,7 @@ pub(in crate::report) fn amplitude_limits_m(record: &RunRecord, i: usize) -> Vec
         let here = criterion.level.is_none_or(|l| l == record.levels[i]);
         criterion.quantity == RequiredQuantity::AmplitudeUm && here
     });
-    let stated = criteria.map(|criterion| criterion.limit * 1e-6);
+    let stated = criteria.map(|criterion| um_to_m(criterion.limit));
     let stress = requirements.stress.as_ref().map(allowable_amplitude_m);
     let mut limits: Vec<f64> = stated.chain(stress).collect();
     limits.sort_by(f64::total_cmp);

@@ -131,7 +131,8 @@ fn surrogate(
     let failed = results.iter().filter(|v| !v.is_finite()).count();
     require_few(failed, n)?;
     let seed = input.record.provenance.seed;
-    let basis: Vec<Polynomials> = random.iter().map(|(_, _, law)| polynomials(law)).collect();
+    let of_law = |(_, _, law): &Random| Polynomials::of_law(law.is_gaussian());
+    let basis: Vec<Polynomials> = random.iter().map(of_law).collect();
     let points: Vec<Vec<f64>> = input
         .outcomes
         .iter()
@@ -185,14 +186,6 @@ fn require_few(failed: usize, n: usize) -> Result<(), String> {
             "{failed} of {n} samples have no solution: must be at most {:.0} %, because a surrogate only guesses there",
             100.0 * MOST_FAILED
         )),
-    }
-}
-
-/// Polynomials that are orthogonal under an input's law, or that of its distribution function.
-fn polynomials(law: &Distribution) -> Polynomials {
-    match law.is_gaussian() {
-        true => Polynomials::Hermite,
-        false => Polynomials::Legendre,
     }
 }
 

@@ -113,8 +113,17 @@ impl<'a> View<'a> {
 
     /// A limit of the amplitude (m), in the unit of the page; in m in the download.
     pub(super) fn limit_cell(&self, limit_m: f64) -> Cell {
-        let limit = significant(limit_m * self.unit.per_metre);
-        Cell::number(format!("{limit} {}", self.unit.symbol), Some(limit_m))
+        Cell::number(self.amplitude(limit_m), Some(limit_m))
+    }
+
+    /// A length (m) in the unit of the page, without its symbol.
+    pub(super) fn length(&self, m: f64) -> String {
+        significant(m * self.unit.per_metre)
+    }
+
+    /// An amplitude (m) in the unit of the page, with its symbol.
+    pub(super) fn amplitude(&self, m: f64) -> String {
+        format!("{} {}", self.length(m), self.unit.symbol)
     }
 
     /// One key per level.

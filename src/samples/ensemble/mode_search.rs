@@ -7,7 +7,6 @@
 
 use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, NearAnchor, PathPeak, Place};
 use super::shared::Ensemble;
-use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::attribution::ModeShapes;
 use crate::hb::peak::level_peak::{LevelPeak, ModeSearch};
 use crate::hb::peak::maxima::{Maxima, PeakChoice};
@@ -34,6 +33,8 @@ const INTERMEDIATE_TOLERANCE: f64 = 1e-3;
 pub(super) struct ModeOfSample<'a> {
     pub problem: &'a Problem<'a>,
     pub mode: &'a Candidate,
+    /// Stiffness of the contacts at rest.
+    pub stiffness: &'a [f64],
     /// The sample's own levels.
     pub levels: &'a [f64],
     /// Values of its inputs' distribution functions.
@@ -107,10 +108,7 @@ impl Ensemble<'_> {
         if !of_any && self.choice == PeakChoice::Highest {
             return (tracked, true);
         }
-        let shapes = shapes.get_or_init(|| {
-            let rest = stiffness_at_rest(of.problem, self.settings.aft, self.peak.band.low);
-            ModeShapes::new(of.problem.model, &rest).ok()
-        });
+        let shapes = shapes.get_or_init(|| ModeShapes::new(of.problem.model, of.stiffness).ok());
         let resembles = |found: &Solution| {
             let shapes = shapes.as_ref();
             shapes.is_some_and(|s| s.resembles(of.problem, found, of.mode.mode))

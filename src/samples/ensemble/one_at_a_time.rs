@@ -41,7 +41,7 @@ impl Ensemble<'_> {
         let first = anchors.len().min(FIRST_ANCHORS as usize);
         let solved = self.solver_from(&anchors[..first]);
         let laws = self.design.inputs();
-        let medians: Vec<f64> = laws.iter().map(|(_, law)| law.quantile(0.5)).collect();
+        let medians = self.design.medians();
         let swing = |&input: &usize| {
             let values = ENDS.map(|p| laws[input].1.quantile(p));
             let ends = values.map(|value| {

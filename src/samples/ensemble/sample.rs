@@ -11,13 +11,14 @@ use super::outcome::{
 };
 use super::shared::{Ensemble, SampleSolver};
 use super::times::SampleTimes;
+use crate::hb::equations::balance::balance_on;
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::branch_maximum::{Extent, other_on_branch};
 use crate::hb::peak::maxima::{Maxima, ON_BRANCH, add_other_on_branches, search_maxima};
 use crate::hb::peak::predicted::on_harmonics;
 use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
-use crate::hb::{Balance, HbSettings, Problem, ProblemError, Solution, StabilityScope, Status};
+use crate::hb::{HbSettings, Problem, ProblemError, Solution, StabilityScope, Status};
 use crate::sampling::design::in_32_bits;
 use crate::units::rad_s_to_hz;
 use std::collections::BTreeSet;
@@ -183,28 +184,11 @@ impl Ensemble<'_> {
         function: super::test_function::TestFunction,
         inputs: &[f64],
     ) -> SampleResult {
-        let medians = self
-            .design
-            .inputs()
-            .iter()
-            .map(|(_, law)| law.quantile(0.5));
         let peak = match inputs {
-            [] => function.peak(&medians.collect::<Vec<_>>()),
+            [] => function.peak(&self.design.medians()),
             inputs => function.peak(inputs),
         };
-        let level = |&level: &f64| LevelOutcome {
-            level,
-            status: Status::Converged,
-            peak: Some(peak),
-            around: AroundPeak::default(),
-            newton_iterations: 0,
-            factorizations: 0,
-        };
-        SampleResult {
-            levels: self.levels.iter().map(level).collect(),
-            peaks: vec![ModePeaks::default(); self.levels.len()],
-            times: SampleTimes::default(),
-        }
+        self.everywhere(Status::Converged, Some(peak))
     }
 
     /// Excitation levels of a sample. Shape: `[levels]`.
@@ -229,6 +213,7 @@ impl Ensemble<'_> {
             let of_mode = ModeOfSample {
                 problem,
                 mode,
+                stiffness: &stiffness,
                 levels,
                 place,
                 known,
@@ -247,6 +232,7 @@ impl Ensemble<'_> {
                 let of_mode = ModeOfSample {
                     problem,
                     mode: &mode,
+                    stiffness: &stiffness,
                     levels,
                     place,
                     known: &maxima,
@@ -306,7 +292,7 @@ impl Ensemble<'_> {
     ) -> (Vec<CurvePoint>, Option<SweepRecord>) {
         let newton = self.settings.newton;
         let harmonics = &self.settings.harmonics;
-        let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
+        let balance = balance_on(problem, harmonics.clone(), self.settings);
         problem.effort.grant(self.settings.newton.budget);
         // the curve may start beside the maximum
         let start = on_harmonics(&balance, solution, self.peak, newton);
@@ -323,19 +309,24 @@ impl Ensemble<'_> {
         };
         let found = response_curve(&balance, &start, self.peak.band, &settings);
         let sweeps = found.sweeps.map(|sweeps| SweepRecord {
-            upward: largest(sweeps.upward),
-            downward: largest(sweeps.downward),
+            upward: maximum(sweeps.upward.omega, sweeps.upward.amplitude),
+            downward: maximum(sweeps.downward.omega, sweeps.downward.amplitude),
             several_hz: sweeps.several.map(|ends| ends.map(rad_s_to_hz)),
         });
         (found.points.into_iter().map(drawn).collect(), sweeps)
     }
 
-    /// A sample that fails at every level, without peaks.
+    /// A sample that fails at every level.
     pub(super) fn without_solution(&self, status: Status) -> SampleResult {
+        self.everywhere(status, None)
+    }
+
+    /// The same at every level, without a start for other samples.
+    fn everywhere(&self, status: Status, peak: Option<PeakRecord>) -> SampleResult {
         let levels = (self.levels.iter()).map(|&level| LevelOutcome {
             level,
             status,
-            peak: None,
+            peak,
             around: AroundPeak::default(),
             newton_iterations: 0,
             factorizations: 0,
@@ -362,13 +353,6 @@ fn modes_on_branches(candidates: &[Candidate], near: &BTreeSet<usize>) -> Vec<Ca
     on_branch.filter_map(of_sample).collect()
 }
 
-fn largest(point: curve::CurvePoint) -> Maximum {
-    Maximum {
-        frequency_hz: rad_s_to_hz(point.omega),
-        amplitude_m: point.amplitude,
-    }
-}
-
 fn drawn(point: curve::CurvePoint) -> CurvePoint {
     CurvePoint {
         frequency_hz: rad_s_to_hz(point.omega),
@@ -381,11 +365,15 @@ fn drawn(point: curve::CurvePoint) -> CurvePoint {
 fn others(maxima: &Maxima) -> Vec<Maximum> {
     let others = maxima.distinct().into_iter().skip(1);
     others
-        .map(|other| Maximum {
-            frequency_hz: rad_s_to_hz(other.omega),
-            amplitude_m: other.amplitude(0),
-        })
+        .map(|other| maximum(other.omega, other.amplitude(0)))
         .collect()
+}
+
+fn maximum(omega: f64, amplitude_m: f64) -> Maximum {
+    Maximum {
+        frequency_hz: rad_s_to_hz(omega),
+        amplitude_m,
+    }
 }
 
 /// What is stored of a peak; `amplitude_m` is that of the response that defines it.

@@ -106,14 +106,8 @@ impl<'a> LaneSearch<'a> {
             return Ok(None);
         }
         let response = told.response + told.by_correction;
-        let by_omega = told.by_tangent / response;
-        let here = Growth {
-            omega: told.omega,
-            response,
-            phase_rate: by_omega.im,
-            growth: by_omega.re / by_omega.im,
-            error: self.limits.growth_error(size),
-        };
+        let error = self.limits.growth_error(size);
+        let here = Growth::new(told.omega, response, told.by_tangent, error);
         let step = self.search.step(size, here)?.length / here.phase_rate;
         match self.band.contains(told.omega + step) {
             true => Ok(Some(step)),

@@ -3,6 +3,7 @@
 use super::ContactPair;
 use crate::contact::ContactParameters;
 use crate::setting::{BadSetting, USUAL_FRICTION, friction_coefficient, unusual, within};
+use crate::units::n_per_m_to_n_per_um;
 
 /// How the pairs of an interface share its stiffness.
 #[derive(
@@ -75,10 +76,13 @@ impl InterfaceSettings {
 
     fn stiffnesses(&self) -> [(&'static str, f64); 2] {
         [
-            ("normal_stiffness_n_per_um", self.normal_stiffness * 1e-6),
+            (
+                "normal_stiffness_n_per_um",
+                n_per_m_to_n_per_um(self.normal_stiffness),
+            ),
             (
                 "tangential_stiffness_n_per_um",
-                self.tangential_stiffness * 1e-6,
+                n_per_m_to_n_per_um(self.tangential_stiffness),
             ),
         ]
     }

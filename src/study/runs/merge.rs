@@ -10,7 +10,7 @@ use super::run_settings::RunSettings;
 use super::session::unwritten;
 use super::status::RunStatus;
 use crate::Error;
-use crate::ensemble::parts::{Difference, PartFolder, StoredPart};
+use crate::ensemble::parts::{PartFolder, StoredPart};
 use crate::study::output::OutputFolder;
 use crate::study::settings::read::Study;
 
@@ -84,10 +84,7 @@ fn add_parts(
         })?;
         let first = parts.first().unwrap_or(&part);
         if let Err(difference) = accepted(&first.identity, &part.identity, settings) {
-            let program = match difference {
-                Difference::Program(_) => ", or take it over with --any-program",
-                _ => "",
-            };
+            let program = difference.advice_on_program(", or take it over with --any-program");
             let other = first.paths()[0].display();
             let message = format!("holds samples of {difference} than {other}: {advice}{program}");
             return Err(Error::results(folder, message));

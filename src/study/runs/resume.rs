@@ -320,10 +320,7 @@ pub(super) fn accepted_part(
     settings: &RunSettings,
 ) -> Result<Option<Program>, Error> {
     let refused = |difference: Difference| {
-        let program = match difference {
-            Difference::Program(_) => ", take its samples over with --any-program",
-            _ => "",
-        };
+        let program = difference.advice_on_program(", take its samples over with --any-program");
         let message = format!(
             "holds samples of {difference}: finish that run{program}, take another --output, or delete this folder with its samples"
         );
@@ -334,10 +331,7 @@ pub(super) fn accepted_part(
 
 /// Why whole results are not taken over, and what to do.
 pub(in crate::study) fn results_refusal(difference: &Difference) -> String {
-    let program = match difference {
-        Difference::Program(_) => ", or take them over with --any-program",
-        _ => "",
-    };
+    let program = difference.advice_on_program(", or take them over with --any-program");
     format!("are results of {difference}: `run` anew{program}")
 }
 

@@ -8,7 +8,7 @@ use super::frequency::FrequencyTable;
 use super::identified_inputs::InputsKeys;
 use super::model::{BoundaryKeys, CyclicKeys};
 use super::read::{KEYS, LEVEL, MOST_LEVELS};
-use super::solver_section::{ContactSection, SolverSection};
+use super::solver_section::{ContactSection, OF_INTERFACE, SolverSection};
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
 use crate::report::asked::requirement::LINE;
@@ -69,13 +69,7 @@ fn of_sector(sector: &str) -> Value {
 
 /// What a model with its own contacts has no use for.
 fn without_interface() -> Value {
-    let keys = [
-        "normal_stiffness_n_per_um",
-        "tangential_stiffness_n_per_um",
-        "friction_coefficient",
-        "share",
-    ];
-    let absent: Map<String, Value> = keys
+    let absent: Map<String, Value> = OF_INTERFACE
         .map(|key| (key.to_owned(), Value::Bool(false)))
         .into_iter()
         .collect();

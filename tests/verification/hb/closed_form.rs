@@ -8,7 +8,6 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::{HarmonicSet, phases};
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
 use microslip::hb::peak::search::{PeakSettings, find_peak};
-use microslip::hb::peak::track::stuck_point;
 use microslip::hb::response::forced_response::{CurveSettings, over_band};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
@@ -47,7 +46,7 @@ impl Oscillator {
 
 /// Solution at `omega` from the stuck start.
 fn at<'p>(balance: &Balance<'p>, omega: f64, level: f64) -> Iterate<'p> {
-    let start = stuck_point(balance, omega, level);
+    let start = Point::stuck(balance, omega, level);
     let solved = solve(balance, start, Condition::FixedFrequency, NEWTON);
     solved.expect("a solution")
 }
@@ -211,7 +210,7 @@ fn stiff_limit(friction: f64, omega: f64, k_t: f64) -> f64 {
             n_time: 2048,
         };
         let (r, amplitude) = oscillator.with(|balance| {
-            let cold = stuck_point(balance, omega, 1.0);
+            let cold = Point::stuck(balance, omega, 1.0);
             let start = start.take().map_or(cold, |r| Point {
                 r,
                 omega,

@@ -11,7 +11,6 @@ use microslip::hb::equations::balance::ContactResponse;
 use microslip::hb::equations::free::{FreeBalance, FreeMotion, StaticReference};
 use microslip::hb::equations::jacobian::EXACT;
 use microslip::hb::newton::{Condition, Direction, Iterate, Point, solve};
-use microslip::hb::peak::track::stuck_point;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use microslip::model::disk::CyclicMatrix;
 use rand::{RngExt, SeedableRng};
@@ -33,7 +32,7 @@ fn assert_close(found: &[f64], expected: &[f64], what: &str) {
 
 /// The stuck solution, each displacement changed by up to 30 %.
 fn shaken(balance: &Balance<'_>, omega: f64, level: f64, rng: &mut ChaCha8Rng) -> Point {
-    let mut point = stuck_point(balance, omega, level);
+    let mut point = Point::stuck(balance, omega, level);
     for r in &mut point.r {
         *r *= 1.0 + 0.3 * (2.0 * rng.random::<f64>() - 1.0);
     }
@@ -152,7 +151,7 @@ fn newton_steps_are_those_of_the_stuck_form() {
                 let point = shaken(&balance, omega, level, &mut rng);
                 assert_same_step(&balance, &reference, point, false);
                 let (start, newton) = (
-                    stuck_point(&balance, omega, level),
+                    Point::stuck(&balance, omega, level),
                     NewtonSettings::default(),
                 );
                 let solved = solve(&balance, start, Condition::FixedFrequency, newton);

@@ -9,7 +9,6 @@ use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::branch_point::BranchPoint;
 use microslip::hb::equations::jacobian::EXACT;
 use microslip::hb::newton::{Condition, Direction, Iterate, Metric, Point, newton_step, solve};
-use microslip::hb::peak::track::stuck_point;
 use microslip::hb::structure::linear::LinearModel;
 use microslip::hb::{Balance, NewtonSettings, Problem, SliderAnchor};
 use rand::SeedableRng;
@@ -118,7 +117,7 @@ fn largest(x: &[f64]) -> f64 {
 
 /// The stuck solution with a tenth of its motion shaken.
 fn shaken(balance: &Balance<'_>, omega: f64, level: f64, rng: &mut ChaCha8Rng) -> Point {
-    let mut point = stuck_point(balance, omega, level);
+    let mut point = Point::stuck(balance, omega, level);
     let size = largest(&point.r[balance.layout.n_relative()..]);
     let noise = random_direction(balance, 0.1 * size, rng);
     point.r.iter_mut().zip(noise).for_each(|(r, x)| *r += x);
@@ -306,7 +305,7 @@ fn bordered_steps_agree_with_differences() {
     let mut kinds = Kinds::default();
     for_every_discretisation(|law, balance, rng| {
         for (level, hertz) in NEAR_SOLUTIONS {
-            let start = stuck_point(balance, hertz * TAU, level);
+            let start = Point::stuck(balance, hertz * TAU, level);
             let newton = NewtonSettings::default();
             let Ok(solved) = solve(balance, start, Condition::FixedFrequency, newton) else {
                 continue;

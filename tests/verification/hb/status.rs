@@ -4,9 +4,9 @@ use super::invariants::with_plane;
 use super::models::plane;
 use crate::response::{at_frequencies, dense_curve};
 use microslip::hb::branch::sweep::SweepDirection;
-use microslip::hb::newton::{Condition, solve};
+use microslip::hb::newton::{Condition, Point, solve};
 use microslip::hb::peak::search::{PeakSettings, find_peak};
-use microslip::hb::peak::track::{stuck_point, track_peaks};
+use microslip::hb::peak::track::track_peaks;
 use microslip::hb::response::values::{self, SlowSweep};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, Problem, ProblemError, SliderAnchor, Status};
@@ -34,7 +34,7 @@ fn too_few_iterations_are_a_status() {
         settings.newton.max_iterations = 1;
         let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
         let one = |level: f64| {
-            let start = stuck_point(&balance, 400.0 * TAU, level);
+            let start = Point::stuck(&balance, 400.0 * TAU, level);
             solve(&balance, start, Condition::FixedFrequency, settings.newton)
         };
         let slipping = one(20.0).expect_err("one iteration from the stuck solution");
@@ -106,7 +106,7 @@ fn numbers_that_are_none_are_a_status() {
             assert_eq!(found.status, Status::NonFinite, "{level} {omega}");
         }
         let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
-        let start = stuck_point(&balance, 400.0 * TAU, 20.0);
+        let start = Point::stuck(&balance, 400.0 * TAU, 20.0);
         for i in [0, balance.layout.n_relative(), start.r.len() - 1] {
             let mut spoiled = start.clone();
             spoiled.r[i] = nan;
@@ -160,7 +160,7 @@ fn bands_without_peak_are_a_status() {
             assert!(found.solution.is_none(), "no solution");
         }
         let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
-        let start = stuck_point(&balance, 390.0 * TAU, 1.0);
+        let start = Point::stuck(&balance, 390.0 * TAU, 1.0);
         let fixed = Condition::FixedFrequency;
         let iterate = solve(&balance, start, fixed, settings.newton).expect("stuck");
         let narrow = peak(band(385.0, 395.0));

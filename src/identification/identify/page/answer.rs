@@ -183,7 +183,7 @@ fn table(view: &View, pooled: &Pooled) -> Block {
         let [low, high] = found.further_contact;
         table.row(vec![
             Cell::text(found.parameter.in_words()).with_class("text brief"),
-            Cell::number(found.tests.to_string(), Some(found.tests as f64)),
+            Cell::whole(found.tests as u64),
             Cell::number(show_unit(show(median.value)), Some(median.value))
                 .with_raw([median.lower, median.upper].map(Some))
                 .with_small(from_to([median.lower, median.upper], show)),

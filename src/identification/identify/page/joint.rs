@@ -217,7 +217,7 @@ fn trend_row(trend: &Trend) -> Vec<Cell> {
     vec![
         Cell::text(trend.parameter.in_words()).with_class("text brief"),
         Cell::text(over).with_class("text"),
-        Cell::number(trend.tests.to_string(), Some(trend.tests as f64)),
+        Cell::whole(trend.tests as u64),
         Cell::number(with_digits(trend.exponent, 2), Some(trend.exponent))
             .with_raw([low, high].map(Some))
             .with_small(from_to([low, high], |v| with_digits(v, 2))),

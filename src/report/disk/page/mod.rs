@@ -7,7 +7,7 @@ mod verdicts;
 
 use super::summary::{DiskSummary, OrderLevel, OrderSummary};
 use crate::page::axis::Axis;
-use crate::page::block::{Cell, Figure};
+use crate::page::block::Figure;
 use crate::page::display::{LengthUnit, level_name};
 use crate::page::figure::Panel;
 use crate::page::style::figure_style;
@@ -92,10 +92,6 @@ impl DiskView<'_> {
         let most = most.unwrap_or(0).min(self.disk.sectors / 2);
         Axis::linear("Nodal diameter", -0.5, most as f64 + 1.5)
     }
-}
-
-fn whole(number: usize) -> Cell {
-    Cell::number(number.to_string(), Some(number as f64))
 }
 
 /// Frequency (Hz) of an engine order at a speed (1/min).

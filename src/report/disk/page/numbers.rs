@@ -1,6 +1,6 @@
 //! The numbers of each engine order at each level.
 
-use super::{DiskView, excitation_hz, whole};
+use super::{DiskView, excitation_hz};
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, hertz, percent, significant};
 use crate::report::disk::summary::{OrderLevel, OrderSummary};
@@ -59,11 +59,11 @@ fn number_row(view: &DiskView, order: &OrderSummary, i: usize, level: &OrderLeve
     let margin = Cell::number(bound.map_or(DASH.to_owned(), percent), bound)
         .with_small(level.several_answers.in_words());
     vec![
-        whole(order.engine_order as usize),
-        whole(order.nodal_diameter),
+        Cell::whole(u64::from(order.engine_order)),
+        Cell::whole(order.nodal_diameter as u64),
         Cell::number(view.level_name(i), Some(level.level)).with_chip(i),
-        whole(order.samples),
-        whole(level.failed),
+        Cell::whole(order.samples as u64),
+        Cell::whole(level.failed as u64),
         bar(&level.frequency_hz, &hertz),
         bar(&level.amplitude_m, &|a| {
             significant(a * view.unit.per_metre)

@@ -1,6 +1,6 @@
 //! Whether the structure stays in the vibrations of each engine order, and whether there are others: stability and several answers.
 
-use super::{DiskView, whole};
+use super::DiskView;
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, significant};
 
@@ -22,17 +22,17 @@ pub(super) fn section(view: &DiskView) -> Section {
     for (order, i, level) in view.bars() {
         let largest = level.stability.largest_multiplier;
         table.row(vec![
-            whole(order.engine_order as usize),
+            Cell::whole(u64::from(order.engine_order)),
             Cell::number(view.level_name(i), Some(level.level)).with_chip(i),
-            whole(level.stability.peaks),
-            whole(level.stability.assessed),
-            whole(level.stability.unstable),
+            Cell::whole(level.stability.peaks as u64),
+            Cell::whole(level.stability.assessed as u64),
+            Cell::whole(level.stability.unstable as u64),
             Cell::number(
                 largest.map_or_else(|| DASH.to_owned(), significant),
                 largest,
             ),
-            whole(level.several_answers.curves),
-            whole(level.several_answers.several),
+            Cell::whole(level.several_answers.curves as u64),
+            Cell::whole(level.several_answers.several as u64),
         ]);
     }
     let hint = "Assessed: peaks whose Floquet multipliers were computed; the others may be stable or not. An unstable vibration does not \

@@ -1,6 +1,6 @@
 //! What the criteria say of each engine order.
 
-use super::{DiskView, whole};
+use super::DiskView;
 use crate::page::block::{Block, Cell, Section, Table, Verdict};
 use crate::report::disk::summary::OrderSummary;
 use crate::report::verdict::criterion_result::CriterionResult;
@@ -65,7 +65,7 @@ fn criteria(orders: &[OrderSummary]) -> Block {
             let (word, class) = badge(result);
             let nodal_diameter = Some(order.nodal_diameter as f64);
             table.row(vec![
-                whole(order.engine_order as usize)
+                Cell::whole(u64::from(order.engine_order))
                     .with_raw([nodal_diameter])
                     .with_small(format!("nodal diameter {}", order.nodal_diameter))
                     .with_class("text brief"),

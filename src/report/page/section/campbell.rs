@@ -242,7 +242,7 @@ fn margins(view: &View) -> Block {
             } = margin;
             table.row(vec![
                 view.level_cell_of_margin(i),
-                Cell::number(engine_order.to_string(), Some(f64::from(*engine_order))),
+                Cell::whole(u64::from(*engine_order)),
                 quantile_cell(crossing_rpm, 0, &speed),
                 quantile_cell(crossing_rpm, 2, &speed),
                 quantile_cell(range, 0, &percent),
@@ -273,10 +273,9 @@ fn dwell(view: &View, operation: &Operation) -> Option<Block> {
     for (i, level) in view.assessment.levels.iter().enumerate() {
         for margin in &level.margins {
             for dwell in &margin.dwell {
-                let order = margin.engine_order;
                 table.row(vec![
                     view.level_cell_of_margin(i),
-                    Cell::number(order.to_string(), Some(f64::from(order))),
+                    Cell::whole(u64::from(margin.engine_order)),
                     Cell::number(short(dwell.speed_rpm), Some(dwell.speed_rpm)),
                     quantile_cell(&dwell.quantiles, 0, &percent),
                     quantile_cell(&dwell.quantiles, 1, &percent),

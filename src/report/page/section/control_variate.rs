@@ -100,10 +100,7 @@ fn mean_cells(view: &View, shown: Shown, found: Option<&ControlledMean>) -> [Cel
     };
     let show = |v: f64| match shown {
         Shown::Frequency => format!("{v:.2} Hz"),
-        Shown::AmplitudePerLevel => {
-            let scaled = significant(v * view.unit.per_metre);
-            format!("{scaled} {}", view.unit.symbol)
-        }
+        Shown::AmplitudePerLevel => view.amplitude(v),
     };
     let cell = |mean: f64, interval: Interval| {
         Cell::number(show(mean), Some(mean))

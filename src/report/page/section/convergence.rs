@@ -98,25 +98,21 @@ fn replicates(view: &View) -> Option<[Block; 2]> {
         .chain(OF_REPLICATES)
         .map(|(head, fields)| (head.to_owned(), fields));
     let mut table = Table::new("Means over the replicates", "replicates", columns);
-    let count = |n: u64| Cell::number(n.to_string(), Some(n as f64));
     let hertz = |v: f64| format!("{v:.4}");
-    let length = |v: f64| {
-        let shown = significant(v * view.unit.per_metre);
-        format!("{shown} {}", view.unit.symbol)
-    };
     for (i, outer, means) in means {
         let (frequency, amplitude) = (means.frequency_hz, means.amplitude_m);
         let [.., frequency_q95] = means.frequency_quantiles_hz;
         let [.., amplitude_q95] = means.amplitude_quantiles_m;
         let numbers = [
-            count(frequency.replicates as u64),
+            Cell::whole(frequency.replicates as u64),
             mean_cell(&frequency, hertz),
             interval_cell(frequency_q95.interval, hertz),
-            mean_cell(&amplitude, length),
-            interval_cell(amplitude_q95.interval, length),
-            count(frequency.failed as u64),
+            mean_cell(&amplitude, |v| view.amplitude(v)),
+            interval_cell(amplitude_q95.interval, |v| view.amplitude(v)),
+            Cell::whole(frequency.failed as u64),
         ];
-        let head = [view.level_cell(i)].into_iter().chain(outer.map(count));
+        let outer = outer.map(Cell::whole);
+        let head = [view.level_cell(i)].into_iter().chain(outer);
         table.row(head.chain(numbers).collect());
     }
     let hint = "Points of one replicate depend on each other, so their scatter says nothing about the error; that of the \

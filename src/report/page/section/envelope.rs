@@ -1,7 +1,7 @@
 //! Quantiles of frequency and amplitude, level by level, as tables.
 
 use crate::page::block::{Block, Cell, Section, Table};
-use crate::page::display::{DASH, hertz, significant, with_digits};
+use crate::page::display::{DASH, hertz, with_digits};
 use crate::report::convention::PROBABILITIES;
 use crate::report::numbers::distribution::Distribution;
 use crate::report::numbers::summary::LevelSummary;
@@ -26,7 +26,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
         return None;
     }
     let scale = view.unit.per_metre;
-    let length = |v: f64| significant(v * scale);
+    let length = |v: f64| view.length(v);
     let quantities = [
         Quantity {
             title: "Resonance frequency (Hz)".to_owned(),

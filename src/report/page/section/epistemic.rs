@@ -3,7 +3,7 @@
 use super::worst_case;
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::page::display::{hertz, percent, short, significant};
+use crate::page::display::{hertz, percent, short};
 use crate::page::figure::{Panel, Size};
 use crate::report::numbers::box_range::QuantileRange;
 use crate::report::numbers::epistemic::{EpistemicLevel, EpistemicSummary};
@@ -18,8 +18,6 @@ const PLACES: usize = 200;
 /// Absent without epistemic inputs.
 pub(super) fn section(view: &View) -> Option<Section> {
     let epistemic = view.summary.epistemic.as_ref()?;
-    let scale = view.unit.per_metre;
-    let length = |v: f64| significant(v * scale);
     let amplitude = format!("Amplitude ({})", view.unit.symbol);
     let hint = "Each cell: lowest and highest value of the statistic over the outer points and where they are, failed \
                 samples at their worst; small figures: from the lowest lower to the highest upper 95 % confidence limit. \
@@ -48,11 +46,11 @@ pub(super) fn section(view: &View) -> Option<Section> {
             &amplitude,
             "amplitude-ranges",
             |l| &l.amplitude_m,
-            &length,
+            &|v| view.length(v),
         ),
-        bounds(view, epistemic, &length),
+        bounds(view, epistemic),
     ];
-    blocks.extend(exceedances(view, epistemic, &length));
+    blocks.extend(exceedances(view, epistemic));
     blocks.extend(worst_case::blocks(view));
     let keys = [
         Key::new(
@@ -117,7 +115,7 @@ fn quantiles(
     table.block()
 }
 
-fn bounds(view: &View, epistemic: &EpistemicSummary, length: &dyn Fn(f64) -> String) -> Block {
+fn bounds(view: &View, epistemic: &EpistemicSummary) -> Block {
     let title = "Bounds: each holds for 95 % of the assumed prior with 95 % confidence, whichever outer point is true";
     let mut table = Table::of(
         title,
@@ -130,25 +128,20 @@ fn bounds(view: &View, epistemic: &EpistemicSummary, length: &dyn Fn(f64) -> Str
         ],
     );
     let frequency = |v: f64| format!("{} Hz", hertz(v));
-    let amplitude = |v: f64| format!("{} {}", length(v), view.unit.symbol);
     for (i, level) in epistemic.levels.iter().enumerate() {
         let [lower, upper] = &level.frequency_bounds_hz;
         table.row(vec![
             view.level_cell(i),
             extreme_cell(lower, &frequency),
             extreme_cell(upper, &frequency),
-            extreme_cell(&level.amplitude_bound_m, &amplitude),
+            extreme_cell(&level.amplitude_bound_m, &|v| view.amplitude(v)),
         ]);
     }
     table.block()
 }
 
 /// Absent without limits of the amplitude.
-fn exceedances(
-    view: &View,
-    epistemic: &EpistemicSummary,
-    length: &dyn Fn(f64) -> String,
-) -> Option<Block> {
+fn exceedances(view: &View, epistemic: &EpistemicSummary) -> Option<Block> {
     let mut table = Table::of(
         "Probability that the amplitude exceeds a limit: range over the outer points",
         "exceedance-ranges",
@@ -172,11 +165,9 @@ fn exceedances(
     for (i, level) in epistemic.levels.iter().enumerate() {
         for exceedance in &level.exceedances {
             any = true;
-            let limit = exceedance.threshold_m;
-            let text = format!("{} {}", length(limit), view.unit.symbol);
             table.row(vec![
                 view.level_cell(i),
-                Cell::number(text, Some(limit)),
+                view.limit_cell(exceedance.threshold_m),
                 range_cell(&exceedance.range, &percent),
             ]);
         }

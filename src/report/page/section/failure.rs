@@ -147,16 +147,13 @@ fn add_counts(
     let name = Cell::text(name)
         .with_small(explanation)
         .with_class("text strong");
-    let counts = counts.into_iter().chain([total]).map(count);
+    let counts = counts.into_iter().chain([total]);
+    let counts = counts.map(|n| Cell::whole(n as u64));
     let cells = [name].into_iter().chain(counts).collect();
     match total {
         0 => table.quiet_row(cells),
         _ => table.row(cells),
     }
-}
-
-fn count(n: usize) -> Cell {
-    Cell::number(n.to_string(), Some(n as f64))
 }
 
 fn failure_rate(view: &View, i: usize) -> Cell {

@@ -2,7 +2,7 @@
 
 use super::envelope::quantile_cells;
 use crate::page::block::{Block, Cell, Section, Table};
-use crate::page::display::{DASH, hertz, percent, significant};
+use crate::page::display::{DASH, hertz, percent};
 use crate::report::numbers::distribution::Distribution;
 use crate::report::numbers::modes::ModeSummary;
 use crate::report::page::statistic_cell::share_cell;
@@ -17,8 +17,6 @@ pub(super) fn section(view: &View) -> Option<Section> {
                 another mode is as near, and the name says little. Quantiles are of the samples that have the maximum; where it is \
                 not known whether others have one, the second small line is their range over all values that these could have. \
                 Lower maxima have no verdict, and their stability is not assessed.";
-    let scale = view.unit.per_metre;
-    let length = |v: f64| significant(v * scale);
     let frequency = table(
         view,
         "Resonance frequency (Hz) by mode",
@@ -32,7 +30,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
         &title,
         "mode-amplitude",
         |mode| &mode.amplitude_m,
-        &length,
+        &|v| view.length(v),
     );
     Some(Section {
         id: "modes",
@@ -75,7 +73,6 @@ fn presence(view: &View) -> Block {
             ("Clearness", &["clearness_median", "clearness_lowest"]),
         ],
     );
-    let count = |n: usize| Cell::number(n.to_string(), Some(n as f64));
     for (i, mode) in rows(view) {
         let clearness = match mode.clearness {
             Some([median, lowest]) => Cell::number(percent(median), Some(median))
@@ -86,11 +83,11 @@ fn presence(view: &View) -> Block {
         table.row(vec![
             view.level_cell(i),
             mode_cell(mode),
-            count(mode.present.yes),
-            count(mode.present.unknown),
+            Cell::whole(mode.present.yes as u64),
+            Cell::whole(mode.present.unknown as u64),
             share_cell(Some(&mode.present)),
-            count(mode.highest),
-            count(mode.further),
+            Cell::whole(mode.highest as u64),
+            Cell::whole(mode.further as u64),
             clearness,
         ]);
     }

@@ -32,14 +32,13 @@ fn answers_table(view: &View) -> Block {
     );
     for (i, level) in view.summary.levels.iter().enumerate() {
         let answers = &level.several_answers;
-        let count = |n: usize| Cell::number(n.to_string(), Some(n as f64));
         let width = |v: f64| format!("{} Hz", significant(v));
         let of_share = answers.share.as_ref();
         let limits = |p: &Proportion| percent_range(p.lower, p.upper);
         table.row(vec![
             view.level_cell(i),
-            count(answers.curves),
-            count(answers.several),
+            Cell::whole(answers.curves as u64),
+            Cell::whole(answers.several as u64),
             percent_cell(of_share.map(|p| p.estimate))
                 .with_raw([of_share.map(|p| p.lower), of_share.map(|p| p.upper)])
                 .with_small(of_share.map_or_else(String::new, limits)),
@@ -100,7 +99,7 @@ fn branches(view: &View) -> Option<Block> {
         ],
     );
     let largest = |of: Maximum| {
-        let amplitude = significant(of.amplitude_m * view.unit.per_metre);
+        let amplitude = view.length(of.amplitude_m);
         Cell::number(
             format!("{}, {amplitude}", hertz(of.frequency_hz)),
             Some(of.frequency_hz),
@@ -110,7 +109,7 @@ fn branches(view: &View) -> Option<Block> {
     for row in rows.iter().take(MOST_ROWS) {
         let [from, to] = row.range_hz;
         table.row(vec![
-            Cell::number(row.sample.to_string(), Some(row.sample as f64)),
+            Cell::whole(row.sample),
             view.level_cell(row.level),
             largest(row.sweeps.upward),
             largest(row.sweeps.downward),

@@ -173,11 +173,9 @@ fn table(view: &View) -> Block {
 
 fn row(view: &View, i: usize, reserve: &Reserve) -> Vec<Cell> {
     let quantile = |k: usize| quantile_cell(&reserve.factor, k, &significant);
-    let amplitude = reserve.allowable_amplitude_m;
-    let shown = significant(amplitude * view.unit.per_metre);
     vec![
         view.level_cell_of_margin(i),
-        Cell::number(format!("{shown} {}", view.unit.symbol), Some(amplitude)),
+        view.limit_cell(reserve.allowable_amplitude_m),
         quantile(0),
         quantile(1),
         quantile(2),

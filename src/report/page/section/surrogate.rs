@@ -97,13 +97,7 @@ fn worth_cells(view: &View, shown: Shown, surrogate: &Surrogate) -> Vec<Cell> {
     let error = |v: f64| {
         let text = match shown {
             Shown::Frequency => format!("{} Hz", significant(v)),
-            Shown::AmplitudePerLevel => {
-                format!(
-                    "{} {}",
-                    significant(v * view.unit.per_metre),
-                    view.unit.symbol
-                )
-            }
+            Shown::AmplitudePerLevel => view.amplitude(v),
         };
         Cell::number(text, Some(v))
     };
@@ -112,10 +106,10 @@ fn worth_cells(view: &View, shown: Shown, surrogate: &Surrogate) -> Vec<Cell> {
         Cell::number(signed(&format!("{:.4}", held.q2)), Some(held.q2)),
         error(held.rms),
         error(held.largest),
-        Cell::number(surrogate.fitted.to_string(), Some(surrogate.fitted as f64))
+        Cell::whole(surrogate.fitted as u64)
             .with_raw([Some(surrogate.failed as f64)])
             .with_small(format!("{} failed", surrogate.failed)),
-        Cell::number(surrogate.terms.to_string(), Some(surrogate.terms as f64))
+        Cell::whole(surrogate.terms as u64)
             .with_raw([Some(surrogate.degree as f64)])
             .with_small(format!("degree {}", surrogate.degree)),
     ]

@@ -4,7 +4,7 @@ use super::decision;
 use crate::ensemble::outcome::Maximum;
 use crate::hb::Status;
 use crate::page::block::{Block, Cell, Section, Table, Verdict};
-use crate::page::display::{DASH, count, duration, hertz, percent, significant, stated_percent};
+use crate::page::display::{DASH, count, duration, hertz, percent, stated_percent};
 use crate::report::asked::requirement::{Criterion, RequiredQuantity};
 use crate::report::assessment::pooling;
 use crate::report::numbers::margins::smallest_margin;
@@ -272,17 +272,13 @@ fn bounds(view: &View) -> Block {
         ],
     );
     let frequency = |v: f64| format!("{} Hz", hertz(v));
-    let amplitude = |v: f64| {
-        let shown = significant(v * view.unit.per_metre);
-        format!("{shown} {}", view.unit.symbol)
-    };
     for (i, level) in view.assessment.levels.iter().enumerate() {
         let [lower, upper] = &level.frequency_bounds_hz;
         table.row(vec![
             view.level_cell(i),
             bound_cell(lower, &frequency),
             bound_cell(upper, &frequency),
-            bound_cell(&level.amplitude_bound_m, &amplitude),
+            bound_cell(&level.amplitude_bound_m, &|v| view.amplitude(v)),
         ]);
     }
     table.block()

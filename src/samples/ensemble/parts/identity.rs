@@ -28,6 +28,17 @@ pub enum Difference {
     Program(Program),
 }
 
+impl Difference {
+    /// `advice` where another program is the difference, which may be ignored.
+    #[must_use]
+    pub fn advice_on_program<'a>(&self, advice: &'a str) -> &'a str {
+        match self {
+            Self::Program(_) => advice,
+            Self::Study(_) | Self::Files(_) => "",
+        }
+    }
+}
+
 impl RunIdentity {
     /// How the run `other` differs from this one, if it does. Comments and the order of keys are no difference.
     #[must_use]

@@ -14,6 +14,21 @@ pub struct Point {
 }
 
 impl Point {
+    /// Solution of the fully stuck structure at the frequency `omega` (rad/s).
+    #[must_use]
+    pub fn stuck(balance: &Balance<'_>, omega: f64, level: f64) -> Self {
+        let at = balance.compliance(omega);
+        let zero = vec![0.0; balance.layout.n_unknowns()];
+        let force = zero.clone();
+        let motion = balance.motion(&at, level, &zero, &force);
+        let residual = balance.residual(&motion, &zero, &force);
+        Self {
+            r: residual.iter().map(|r| -r).collect(),
+            omega,
+            level,
+        }
+    }
+
     /// The point after a step of `length` along `direction`, at the same level.
     #[must_use]
     pub fn moved(&self, direction: &Direction, length: f64) -> Self {

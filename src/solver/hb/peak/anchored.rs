@@ -271,14 +271,7 @@ impl<'a> FreeIterate<'a> {
             self.free.response_rate(&self.motion, &rate, omega)
         };
         let response = self.free.response(&self.motion) + along(correction, 0.0);
-        let by_omega = along(tangent, 1.0) / response;
-        Growth {
-            omega: self.point.omega,
-            response,
-            phase_rate: by_omega.im,
-            growth: by_omega.re / by_omega.im,
-            error,
-        }
+        Growth::new(self.point.omega, response, along(tangent, 1.0), error)
     }
 }
 

@@ -113,6 +113,18 @@ impl Limits {
 }
 
 impl Growth {
+    /// `response`: ŷ after the correction; `by_omega`: its derivative along the tangent, by the frequency.
+    pub(crate) fn new(omega: f64, response: c64, by_omega: c64, error: f64) -> Self {
+        let rate = by_omega / response;
+        Self {
+            omega,
+            response,
+            phase_rate: rate.im,
+            growth: rate.re / rate.im,
+            error,
+        }
+    }
+
     /// Phase (rad) that `other` is behind.
     pub(crate) fn ahead_of(&self, other: &Self) -> f64 {
         (self.response / other.response).arg()

@@ -15,7 +15,7 @@ use crate::hb::structure::resonance::Candidate;
 use std::cmp::Reverse;
 
 /// A mode is searched if its reach is at least this part of the highest maximum found so far.
-pub(crate) const COMPETES: f64 = 0.5;
+const SEARCHED: f64 = 0.5;
 /// A maximum that is not known to be that of the mode m by which it was found counts as one of the mode m plus this number,
 pub const ON_BRANCH: usize = 1 << 16;
 /// and another one on the branch through it as one of the mode m plus this one. The structure has neither.
@@ -123,7 +123,7 @@ impl Maxima {
             PeakChoice::All => true,
             PeakChoice::Mode(mode) => candidate.mode == mode,
             PeakChoice::Highest => match self.highest() {
-                Some(highest) => candidate.reach * self.level >= COMPETES * highest.amplitude(0),
+                Some(highest) => candidate.reach * self.level >= SEARCHED * highest.amplitude(0),
                 None => self
                     .failed
                     .iter()

@@ -142,15 +142,8 @@ impl LocalBranch {
         };
         let rate = |d: &Direction| iterate.response_rate(balance, &jacobian, d, 0.0);
         let response = iterate.response(balance) + rate(&correction);
-        let by_omega = rate(&tangent) / response;
         Self {
-            at: Growth {
-                omega: iterate.point.omega,
-                response,
-                phase_rate: by_omega.im,
-                growth: by_omega.re / by_omega.im,
-                error,
-            },
+            at: Growth::new(iterate.point.omega, response, rate(&tangent), error),
             correction,
             tangent,
         }

@@ -110,8 +110,7 @@ pub fn find_peak<'p>(
             .min(sharp_enough(balance, &start.point, settings)),
         ..newton
     };
-    let omega_scale = 2.0 * settings.band.width();
-    let first = BranchPoint::new(balance, start, omega_scale);
+    let first = along_branch(balance, start, settings);
     let metric = first.metric;
     let mut step = first.growth() / first.phase_rate().powi(2);
     step = step

@@ -9,7 +9,7 @@
 use super::band::{sliding_maximum, swept_maximum};
 use super::branch_maximum::other_on_branch;
 use super::level_peak::{LevelPeak, ModeSearch};
-use super::maxima::{COMPETES, PeakChoice, add_other_on_branches, search_maxima};
+use super::maxima::{PeakChoice, add_other_on_branches, search_maxima};
 use super::predicted::{PeakPrediction, correct, raised};
 use super::refine::refined_maximum;
 use super::search::{Located, PeakSettings, find_peak, highest_nearby};
@@ -43,6 +43,8 @@ const TRACK_ITERATIONS: usize = 30;
 /// Residual of the solutions between two levels. The solution at a level, from which the maximum is searched, is solved to
 /// the study's tolerance.
 const TRACK_TOLERANCE: f64 = 1e-5;
+/// Maxima of the structure that slides without friction below this share of the reach of the mode do not count.
+const LEAST_SLIDING: f64 = 0.5;
 /// Most harmonics (0 included) on which the maximum is searched.
 const FEW_HARMONICS: usize = 8;
 
@@ -376,11 +378,10 @@ impl<'a, 'p> Track<'a, 'p> {
         solve(balance, point, phase, self.settings.newton)
     }
 
-    /// The highest maximum next to the resonances of the structure that slides without friction, on one harmonic. Maxima far
-    /// below the reach of the mode do not count.
+    /// The highest maximum next to the resonances of the structure that slides without friction, on one harmonic.
     fn sliding(&self, level: f64) -> Result<Located<'p>, Status> {
         let rest = self.rest.as_ref().ok_or(Status::NoPeakInBand)?;
-        let least = COMPETES * self.reach;
+        let least = LEAST_SLIDING * self.reach;
         let newton = self.settings.newton;
         sliding_maximum(&self.ladder[0], rest, least, level, self.peak, newton)
     }
@@ -390,20 +391,5 @@ impl<'a, 'p> Track<'a, 'p> {
         let newton = self.settings.newton;
         let found = swept_maximum(&self.ladder[..=rung], level, self.peak, newton)?;
         self.raised(rung, found)
-    }
-}
-
-/// Solution of the fully stuck structure.
-#[must_use]
-pub fn stuck_point(balance: &Balance<'_>, omega: f64, level: f64) -> Point {
-    let at = balance.compliance(omega);
-    let zero = vec![0.0; balance.layout.n_unknowns()];
-    let force = zero.clone();
-    let motion = balance.motion(&at, level, &zero, &force);
-    let residual = balance.residual(&motion, &zero, &force);
-    Point {
-        r: residual.iter().map(|r| -r).collect(),
-        omega,
-        level,
     }
 }

@@ -7,9 +7,8 @@ use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::{Counted, Meter, WorkCount};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
-use crate::hb::newton::{Iterate, polish};
+use crate::hb::newton::{Iterate, Point, polish};
 use crate::hb::peak::alert::AlertSets;
-use crate::hb::peak::track::stuck_point;
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
@@ -54,7 +53,7 @@ impl<'a, 'p> LevelProblem<'a, 'p> {
 
     /// A frequency without solution.
     pub(super) fn unsolved(&self, omega: f64, status: Status) -> Counted<Solution> {
-        let stuck = stuck_point(self.balance(), omega, self.level);
+        let stuck = Point::stuck(self.balance(), omega, self.level);
         let iterate = Iterate::new(self.balance(), stuck);
         Counted {
             solution: Solution::new(self.balance(), &iterate, status),
