@@ -1,9 +1,9 @@
 #!/bin/sh
 # From virtual tests of a contact to three margins. Usage: run.sh [MICROSLIP]; results are written to results.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-microslip=${1:-microslip}
-cd "$here"
+microslip=$(command -v "${1:-microslip}")
+microslip=$(realpath "$microslip")
+cd "$(dirname "$0")"
 for loading in air punch; do
     "$microslip" rig "$loading.toml" --output "results/tests-$loading"
     # the gains of the cells keep 1 % in 95 % of the tests
