@@ -27,7 +27,7 @@ struct Point {
     gap: real,
 }
 
-// Stretch of one motion up to an instant; `slider` is k_t w of a stick and the source where it was set last.
+// Stretch of one motion up to an instant. `slider` is k_t w of a stick; `source_...` says where, and by which motion, it was set last.
 struct Run {
     interval: u32,
     motion: u32,

@@ -60,8 +60,8 @@ const SHORT: real = real(0.5);
 // Way across the path in a step, over the friction limit, below which the motion counts as straight.
 const ACROSS: real = real(1.0e-3);
 
-// Whether the velocity turns by more than that in the interval from sample `here` to sample `next`, the contact moves far, and its path
-// is not straight.
+// Whether the velocity turns by more than half a radian in the interval from sample `here` to sample `next`, the contact moves far, and
+// its path is not straight.
 fn turns_around(here: Node, next: Node) -> bool {
     let across = abs(here.rate.x * next.rate.y - here.rate.y * next.rate.x);
     let speeds = vec2<real>(norm(here.rate), norm(next.rate));

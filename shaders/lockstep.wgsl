@@ -85,7 +85,7 @@ fn at(place: u32, row: u32, column: u32, columns: u32) -> u32 {
     return place * job.lanes + row * columns + column;
 }
 
-// D_k or dZ/dω of harmonic number h on mode j as a complex number.
+// D_k, then dZ/dω, of harmonic number h on mode j; each is a complex number (re, im).
 fn spectrum(h: u32, j: u32, lane: u32) -> array<vec2<f32>, 2> {
     let k = shared_numbers[SPECTRA + h * (2u * MODES + 1u)];
     let base = shared_numbers[SPECTRA + h * (2u * MODES + 1u) + 1u + j];

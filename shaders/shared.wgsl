@@ -17,8 +17,8 @@ const TAU: real = 6.283185307179586476925287;
 // Signals: directions 0 and 1, then the gap function.
 const GAP: u32 = 2u;
 
-// What a state did, in `flags`: a direction moved; its events did not fit into their array; its velocity turns around between
-// two samples, where only the processor has nodes.
+// What a state did, in `flags`: a direction moved; the device does not decide the state, because its events do not fit into their
+// array or its steady cycle was not found; its velocity turns around between two samples, where only the processor has nodes.
 const MOVED: u32 = 1u;
 const OVERFLOW: u32 = 2u;
 const TURNS: u32 = 4u;
@@ -61,7 +61,7 @@ const SLOTS_PER_STATE: u32 = 1u;
 const MOVING_PER_STATE: u32 = 1u;
 const TANGENTS_PER_STATE: u32 = BLOCKS * M * M;
 
-// Whether a state moved and its events fitted into their array: then it has a derivative.
+// Whether a state moved and the device decides it (no OVERFLOW): then it has a derivative.
 fn moved_and_fitted(state: u32) -> bool {
     return (atomicLoad(&flags[state]) & (MOVED | OVERFLOW)) == MOVED;
 }

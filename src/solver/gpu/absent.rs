@@ -31,7 +31,7 @@ impl Gpu {
         match *self {}
     }
 
-    /// Compares both searches.
+    /// Records one comparison of both searches: relative differences of frequency and amplitude, and whether they are beyond the limit.
     pub fn compared(&self, _: [f64; 2], _: bool) {
         match *self {}
     }

@@ -96,7 +96,8 @@ impl Gpu {
         chosen(inputs, self.settings.audit)
     }
 
-    /// Compares a peak that was searched from a lane with the same peak searched without.
+    /// Records one comparison of a peak that was searched from a lane with the same peak searched without: the relative `differences` of
+    /// frequency and amplitude, and whether they are `beyond` the limit, so that the peak searched without takes its place.
     pub fn compared(&self, differences: [f64; 2], beyond: bool) {
         self.tally.compared(differences, beyond);
     }

@@ -14,9 +14,10 @@
 //! }
 //! ```
 //!
-//! Passes of the box law: transform (signals at the samples) → box_march (breakpoints and sliders) → spectra → forces →
-//! tangents. Passes of the circle law: transform → gap_roots → circle_march (steady cycle) → forces → steps (derivatives of
-//! slip for all columns) → tangents of steady cycles, then of laps from the anchor.
+//! Passes of the box law: transform (signals at the samples) → box_march (breakpoints and sliders) → spectra_of_runs → forces →
+//! tangents_of_moving. Passes of the circle law with located events: transform → gap_roots → circle_march (steady cycle) → forces →
+//! circle_steps (derivatives of slip for all columns) → circle_located_tangents (of steady cycles) → circle_anchored_tangents (of laps from
+//! the anchor); with events decided at the samples: transform → circle_march → forces → circle_sampled_tangents.
 
 mod error;
 mod report;

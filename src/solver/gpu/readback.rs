@@ -22,7 +22,7 @@ pub(super) struct Moving {
     pub slots: Vec<u32>,
     /// Shape: `[3][m][state]`.
     pub deviations: Vec<f64>,
-    /// Shape: `[slot / group][5][m][m][slot % group]`.
+    /// Shape: `[slot / group][block of blocks][m][m][slot % group]`.
     pub tangents: Vec<f64>,
     pub group: usize,
     pub m: usize,

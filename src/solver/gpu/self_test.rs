@@ -29,7 +29,8 @@ const fn limits(law: FrictionLaw) -> [f64; 2] {
     }
 }
 
-/// Evaluates stuck, slipping and lifting states on the device and compares them with the processor's.
+/// Evaluates stuck, slipping and lifting states on the device and compares them with the processor's. Returns the largest difference of the
+/// forces, over the largest force that the motion of the state could cause, and that of the derivatives, over its largest stiffness.
 ///
 /// # Errors
 /// [`GpuError::SelfTest`] if they differ, and whatever the device says.

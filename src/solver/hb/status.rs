@@ -66,7 +66,7 @@ impl Status {
         )
     }
 
-    /// Whether verdicts may use these numbers: the error is not above the threshold, and the solution is not unstable.
+    /// Whether verdicts may use these numbers: the error is not above the threshold, and the solution is neither unstable nor bouncing.
     #[must_use]
     pub fn is_trusted(self) -> bool {
         matches!(self, Self::Converged)

@@ -127,7 +127,7 @@ fn columns_of(inverse_of: &[usize], inverses: usize) -> (Vec<usize>, Vec<u32>) {
     (columns, of_tile)
 }
 
-/// Rows of all columns, columns fastest. Columns without a lane have the numbers of the lane before.
+/// The rows of all `columns` as one array, columns fastest.
 fn in_columns(columns: &[&Lane], of: fn(&Lane) -> &[f32]) -> Vec<f32> {
     let rows: Vec<&[f32]> = columns.iter().copied().map(of).collect();
     let (n, width) = (rows.first().map_or(0, |row| row.len()), rows.len());
@@ -155,6 +155,7 @@ impl LaneBatch<'_> {
         for (lane, column) in lanes.iter().zip(&self.columns) {
             lane_of[*column] = Some(&lane.0);
         }
+        // a column without a lane gets the numbers of the lane before it
         let mut before = None;
         let columns = lane_of.into_iter().filter_map(|lane| {
             before = lane.or(before);

@@ -17,9 +17,9 @@ pub(super) const CONTACT_ARRAYS: [&str; 6] = [
     "slots",
     "tangents",
 ];
-/// Arrays of the lanes before those: which of them are written.
+/// For each array of the lanes ([`LaneArrays::bound`]), which are bound before [`CONTACT_ARRAYS`]: whether the passes write it.
 const WRITTEN: [bool; 7] = [false, false, false, false, false, true, true];
-/// Of the contact arrays, those that are written.
+/// Number of contact arrays that the passes write: the first ones.
 const WRITTEN_CONTACT: usize = 2;
 
 /// Compiled passes for one system and one way to evaluate contacts.

@@ -6,8 +6,9 @@
 //! precision on the processor ([`search`]).
 //!
 //! Passes of an iteration: moved, scaled (states of the contact passes of [`crate::gpu`], which follow), rate and loaded (contact
-//! forces), product and divided (motion of the modes), preconditioned. Then follow rounds of the same for the directions of correction and
-//! tangent, each ended by advanced. The last pass is responded, and 64 bytes of each lane come back.
+//! forces), product (loads on the modes), divided_residual (motion of the modes), product (motion at the contacts), preconditioned, begun.
+//! Then each round, for one direction of the correction and one of the tangent, does rate, product, divided, product, preconditioned and
+//! advanced. At the end come rate, product and responded, and 64 bytes of each lane are read back.
 //!
 //! A study with `--backend gpu` runs lanes; `cargo bench --bench gpu -- lanes` runs them beside the searches of the processor.
 

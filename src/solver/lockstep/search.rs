@@ -101,7 +101,7 @@ impl<'a> LaneSearch<'a> {
     /// The next step of the frequency (rad/s), none if the search has ended.
     pub(super) fn next_step(&mut self, told: &Told) -> Result<Option<f64>, Status> {
         let size = told.size / self.scale;
-        // a device that says so has met more events than it can hold
+        // undecided: more events than the device can hold, or no steady cycle found; both count as a slider without steady cycle
         if self.search.ends(size, !told.undecided)? || self.search.is_close() {
             return Ok(None);
         }

@@ -1,4 +1,5 @@
-//! Exact derivative of the box law in segment form.
+//! Exact derivative of the box law in segment form, where events are decided or interpolated at the samples; for located events see
+//! [`super::located`].
 //!
 //! Inside a stick segment that starts after the event r, T_i = T_r + k_t (u_i − u_r); so its derivative is k_t b_i plus
 //! a constant row, and every segment adds one rank-1 product. Cost per state: O(segments · m²), and

@@ -103,7 +103,7 @@ impl<T: Real> Cells<T> {
         let cell = &mut self.cells[j];
         cell.width *= 0.5;
         let length = T::from_f64(cell.width * TAU / course.plan.n_time() as f64);
-        let start = course.instant(cell.start.theta + length, &mut self.row);
+        let start = course.event_node(cell.start.theta + length, &mut self.row);
         let half = Cell { start, ..*cell };
         self.cells.insert(j + 1, half);
     }

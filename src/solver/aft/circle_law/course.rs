@@ -71,7 +71,7 @@ impl<'a, T: Real> Course<'a, T> {
 
     /// The signals at a phase, and the basis row there.
     #[inline(never)]
-    pub(in crate::aft) fn instant(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
+    pub(in crate::aft) fn event_node(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
         let (plan, p) = (self.plan, self.p);
         row.resize(plan.m, T::ONE);
         basis_row(plan, theta, row);
@@ -146,7 +146,7 @@ impl<'a, T: Real> Course<'a, T> {
     pub(in crate::aft) fn gap_root(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
         Node {
             limit: T::ZERO,
-            ..self.instant(theta, row)
+            ..self.event_node(theta, row)
         }
     }
 
@@ -203,10 +203,10 @@ impl<'a, T: Real> Course<'a, T> {
             let ends = [here.theta, next.theta];
             let guess = here.theta + width * share;
             high = zero(ends, false, guess, T::EPSILON.sqrt(), |theta| {
-                let [_, rate, bend] = self.instant(theta, row).excess(slider);
+                let [_, rate, bend] = self.event_node(theta, row).excess(slider);
                 [rate, bend, T::ZERO]
             });
-            let top = self.instant(high, row).excess(slider)[0];
+            let top = self.event_node(high, row).excess(slider)[0];
             if top <= least {
                 return None;
             }
@@ -215,9 +215,9 @@ impl<'a, T: Real> Course<'a, T> {
         let ends = [here.theta, high];
         let guess = here.theta + width * guess;
         let theta = zero(ends, true, guess, T::EPSILON, |theta| {
-            self.instant(theta, row).excess(slider)
+            self.event_node(theta, row).excess(slider)
         });
-        Some(self.instant(theta, row))
+        Some(self.event_node(theta, row))
     }
 
     /// First guess, as a share of the step, of where a resting slider begins to slip: from the excess with its derivatives
@@ -262,13 +262,13 @@ impl<'a, T: Real> Course<'a, T> {
         let guess = here.theta + share * (next.theta - here.theta);
         let ends = [here.theta, next.theta];
         let theta = zero(ends, false, guess, T::EPSILON, |theta| {
-            let node = self.instant(theta, row);
+            let node = self.event_node(theta, row);
             let step = slip_step(here, &node);
             let e = half.after(step.map()).e;
             let turning = node.turning(&step.angle_rates(half));
             [node.sliding(e), node.sliding_rate(e, turning), T::ZERO]
         });
-        self.instant(theta, row)
+        self.event_node(theta, row)
     }
 
     /// The point towards which the slider creeps from lap to lap, if two phases hold it there.
@@ -277,12 +277,12 @@ impl<'a, T: Real> Course<'a, T> {
         let step = T::from_f64(TAU / self.plan.n_time() as f64);
         let near = |theta: T, slider: [T; 2]| {
             let mut row = Vec::new();
-            let mut node = self.instant(theta, &mut row);
+            let mut node = self.event_node(theta, &mut row);
             for _ in 0..TOP_STEPS {
                 let [_, rate, bend] = node.excess(slider);
                 let offset = -(rate / bend);
                 if bend < T::ZERO && offset.abs() <= step {
-                    node = self.instant(node.theta + offset, &mut row);
+                    node = self.event_node(node.theta + offset, &mut row);
                 }
             }
             node.touch(slider)

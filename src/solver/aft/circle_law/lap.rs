@@ -37,10 +37,10 @@ pub(in crate::aft) struct Lap<T> {
     /// Basis rows at the last event and at the next one, which is searched for.
     pub(super) row: Vec<T>,
     pub(super) next_row: Vec<T>,
-    /// Row of the rate λ of slip.
+    /// Scratch row of the size of a jump along the traction: of λ, of e·s'' − L'', of L' or of L''.
     pub(super) sliding: Row<T>,
     /// The slider (N) where the present slip began.
-    pub(super) slider: [T; 2],
+    pub(super) slip_from: [T; 2],
     /// First sample of the present stick.
     pub(super) stick_from: Option<usize>,
 }
@@ -75,7 +75,8 @@ impl<T: Real> Lap<T> {
 
     /// The slider, which slipped, has come to `slider`.
     pub(super) fn note_slip(&mut self, slider: [T; 2]) {
-        let slip = [slider[0] - self.slider[0], slider[1] - self.slider[1]];
+        let from = self.slip_from;
+        let slip = [slider[0] - from[0], slider[1] - from[1]];
         self.longest_slip = self.longest_slip.or_larger(dot(slip, slip).sqrt());
     }
 }

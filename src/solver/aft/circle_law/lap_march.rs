@@ -38,7 +38,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             self.lap.longest_slip = T::from_f64(f64::INFINITY);
             let contact = n - self.course.work.separated[self.course.lane].to_f64() as usize;
             (self.lap.moved, self.lap.slip) = (true, contact as u32);
-            return self.rest(ClosedMotion::Stick(slider), true);
+            return self.end_lap(ClosedMotion::Stick(slider), true);
         }
         let mut here = self.course.sample(0);
         let mut motion = ClosedMotion::Stick(slider);
@@ -58,7 +58,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             (here, motion) = self.contact(here, motion, end);
         }
         let open = points.last().is_some_and(|last| last.open);
-        let slider = self.rest(motion, open);
+        let slider = self.end_lap(motion, open);
         if let Some(blocks) = self.target {
             blocks.flush(self.simd, self.course.plan);
         }

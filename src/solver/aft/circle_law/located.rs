@@ -203,7 +203,7 @@ fn hold_slider<T: Real>(course: Course<T>, hold: &Hold<T, T>, rows: &mut Rows<T>
     for (k, (&theta, e)) in hold.instants.iter().zip(hold.directions).enumerate() {
         let excess = [0, 1].map(|j| if j == k { T::ONE } else { T::ZERO });
         let moved = hold.moved(excess).unwrap_or_default();
-        course.instant(theta, &mut row);
+        course.event_node(theta, &mut row);
         for (slider, moved) in rows.slider.iter_mut().zip(moved) {
             let weights = SignalWeights {
                 path: e.map(|e| moved * e),
@@ -339,7 +339,7 @@ impl<T: Real> Cycle<T> {
     /// After the last lap of a given number of laps.
     fn fixed(&mut self, p: &ContactParameters<T>, took: LapEnd<T>, laps: u32) -> LapPurpose<T> {
         self.laps = laps;
-        self.periodicity = classify(took.closes(), took.monodromy);
+        self.periodicity = classify(took.is_periodic(), took.monodromy);
         self.finish(p, took.start)
     }
 

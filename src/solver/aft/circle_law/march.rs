@@ -1,4 +1,4 @@
-//! Steady cycle of the coupled (circle) law with events decided at the samples.
+//! Steady cycle of the coupled (circle) law with events decided or interpolated at the samples.
 //!
 //! Lanes march together; [`super::steady_cycle`] searches for the cycle of each.
 
@@ -86,7 +86,7 @@ impl<T: Real> Cycle<T> {
             if !self.stuck[l] {
                 self.laps[l] = u32::try_from(laps).unwrap_or(u32::MAX);
             }
-            let periodic = self.end(work, l, &w, &monodromy).closes();
+            let periodic = self.end(work, l, &w, &monodromy).is_periodic();
             self.periodicity[l] = classify(periodic, lane4(&monodromy, l));
         }
     }

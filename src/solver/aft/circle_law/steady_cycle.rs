@@ -55,8 +55,9 @@ impl<T: Real> LapEnd<T> {
         self.longest_slip <= self.tolerance
     }
 
+    /// Whether the slider ends the lap where it began it, up to rounding.
     #[inline(always)]
-    pub(in crate::aft) fn closes(&self) -> bool {
+    pub(in crate::aft) fn is_periodic(&self) -> bool {
         size(self.change()) <= self.tolerance
     }
 }
@@ -71,7 +72,8 @@ pub(in crate::aft) struct Hold<I, T> {
 }
 
 impl<I: Copy, T: Real> Hold<I, T> {
-    /// Change of the slider if the excess of the traction over its limit changes by `excess` at the two phases.
+    /// Motion of the slider (N) that takes away the `excess` (N) of the traction over its limit at the two phases. None where their directions
+    /// are parallel.
     pub(in crate::aft) fn moved(&self, excess: [T; 2]) -> Option<[T; 2]> {
         let [a, b] = self.directions;
         let determinant = a[0] * b[1] - a[1] * b[0];
@@ -112,7 +114,7 @@ pub(in crate::aft) enum Origin<I, T> {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Search<I, T> {
     stage: SearchStage<I, T>,
-    /// Number of laps so far.
+    /// Number of laps so far; at the end of a search by plain laps, that of the laps from the anchor to the cycle.
     pub laps: u32,
     pub origin: Origin<I, T>,
     pub periodicity: Periodicity,
@@ -150,7 +152,7 @@ impl<I: Copy, T: Real> Search<I, T> {
         }
     }
 
-    /// Takes a lap and says which lap is next. `held` looks for the point towards which a slider creeps that is now at its argument.
+    /// Takes a lap and says which lap is next. `held(slider)` looks for the point towards which a slider creeps that is now at `slider`.
     pub(in crate::aft) fn take(
         &mut self,
         lap: LapEnd<T>,
@@ -181,7 +183,7 @@ impl<I: Copy, T: Real> Search<I, T> {
         } else {
             solve_identity_minus(m, change)
         };
-        let settled = size(step) <= lap.tolerance || (lap.closes() && failed);
+        let settled = size(step) <= lap.tolerance || (lap.is_periodic() && failed);
         let finite = now < T::from_f64(f64::INFINITY);
         if (lap.rests() || (settled && singular)) && self.newton {
             // The slider rests, and the anchor decides where: plain laps start from the end of the first lap from the anchor.

@@ -1,4 +1,5 @@
-//! Exact derivative of the circle law.
+//! Exact derivative of the circle law where events are decided or interpolated at the samples; for located events see
+//! [`super::sensitivity`].
 //!
 //! The slider carries the derivative B = k_t dw of its position by all displacement coefficients. A stick segment adds
 //! k_t b_i − B (one masked sum and one rank-1 product). A slip sample returns the predicted derivative to the disc,

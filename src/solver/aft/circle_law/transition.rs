@@ -27,7 +27,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             self.turn_towards(node, e, size);
             let half = HalfAngle::of(e);
             let slider = self.stop(node, half);
-            self.lap.slider = slider;
+            self.lap.slip_from = slider;
             motion = if slides {
                 ClosedMotion::Slip(half)
             } else {
@@ -69,7 +69,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
         } else {
             T::ZERO
         };
-        (self.lap.moved, self.lap.slider) = (true, slider);
+        (self.lap.moved, self.lap.slip_from) = (true, slider);
         std::mem::swap(&mut self.lap.row, &mut self.lap.next_row);
         self.turn_towards(node, e, size);
         let lap = &mut *self.lap;
@@ -242,7 +242,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
             ..SignalWeights::NONE
         };
         add_signals(base, &mut lap.rows.angle, Basis::Event(&lap.row), weights);
-        lap.slider = node.path;
+        lap.slip_from = node.path;
         self.limit_kink(&node, e, T::ONE);
         (node, ClosedMotion::Slip(HalfAngle::of(e)))
     }
@@ -301,7 +301,7 @@ impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     }
 
     /// The slider and its rows at the end of the lap; `open` says whether the contact is open there.
-    pub(super) fn rest(&mut self, motion: ClosedMotion<T>, open: bool) -> [T; 2] {
+    pub(super) fn end_lap(&mut self, motion: ClosedMotion<T>, open: bool) -> [T; 2] {
         let base = self.base();
         let node = self.course.sample(base.plan.n_time());
         if open {

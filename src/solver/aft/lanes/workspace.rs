@@ -198,7 +198,8 @@ impl<T: Real> Workspace<T> {
         self.closings_of(sample / WORD, lap) >> (sample % WORD) & 1 == 1
     }
 
-    /// Instant of closing since the sample before; 0 if the contact does not close, and for events at samples.
+    /// Instant of closing since the sample before, as a share of the interval, 0 to 1; 0 if the contact does not close, and where events are
+    /// not interpolated.
     #[inline(always)]
     pub(in crate::aft) fn closing(&self, sample: usize, lane: usize, lap: LapPosition) -> T {
         if self.closes(sample, lap) {

@@ -6,7 +6,8 @@
 //! is exact.
 //!
 //! The signals are trigonometric polynomials. Their samples and the samples of their rates bracket the breakpoints; Halley's
-//! method locates them to rounding.
+//! method locates roots to rounding, and turns to its square root, since the bound depends on the square of that error. Where a bound
+//! turns towards the slider and cannot touch it, the sample before the turn is the breakpoint.
 
 use super::polynomial::{basis_row, derivatives, rate, root, value};
 use super::roots::{crossing_share, dips, linear_share, turn_share, turns_twice};
@@ -34,7 +35,7 @@ pub(in crate::aft) struct Breakpoint<T> {
     pub u: [T; 2],
     /// Gap function (N); exactly 0 at its roots.
     pub gap: T,
-    /// Whether the contact is open from here to the next breakpoint.
+    /// Whether the contact is open from here to the next breakpoint. While breakpoints are collected: whether it opens or closes here.
     pub open: bool,
 }
 
@@ -61,7 +62,7 @@ pub(in crate::aft) struct Intervals<T> {
 }
 
 impl<T: Real> Signals<T> {
-    /// The signals of one lane of `work`.
+    /// Sets the signals of a contact with the parameters `p`, whose displacement component c (t1, t2, n) has the coefficient `q(c, j)` (m).
     #[inline(always)]
     pub(in crate::aft) fn set(
         &mut self,
@@ -184,7 +185,7 @@ impl<T: Real> Intervals<T> {
         }
     }
 
-    /// Breakpoints between sample i and the next one; `open` says whether the contact opens or closes there.
+    /// Breakpoints between sample i and the next one; at this stage their field `open` says whether the contact opens or closes there.
     #[inline(always)]
     fn interval(
         &self,

@@ -40,7 +40,8 @@ pub struct Balance<'p> {
 pub struct ContactResponse {
     /// F, the contact forces (N), positive in compression (normal) and along the displacement (tangential). Shape: as r.
     pub force: Vec<f64>,
-    /// ∂g/∂r = ∂F/∂r − K_c of the pairs that do not stick all the time; empty if no derivatives were asked for.
+    /// ∂g/∂r = ∂F/∂r − K_c of the pairs that do not stick all the time, plus the springs of [`Balance::holding_stiffness`]; empty if no
+    /// derivatives were asked for.
     pub active: Vec<PairTangent>,
     /// What each pair does. Shape: `[n_pairs]`.
     pub counts: Vec<StateCounts>,
@@ -162,7 +163,7 @@ impl<'p> Balance<'p> {
         }
     }
 
-    /// ∂F/∂r − K_c of the pairs that do not stick all the time.
+    /// ∂F/∂r − K_c of the pairs that do not stick all the time, plus the springs of [`Self::holding_stiffness`].
     fn active_pairs(&self, forces: &AftForces<f64>) -> Vec<PairTangent> {
         let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
         let deviation = |pair: usize, offset: usize, block: TangentBlock| {
@@ -201,7 +202,7 @@ impl<'p> Balance<'p> {
         }
     }
 
-    /// g = F − K_c r.
+    /// g = F − K_c r (N) for the displacements `r` (m) and the contact forces `force` (N). Shape: as r.
     #[must_use]
     pub fn deviation(&self, r: &[f64], force: &[f64]) -> Vec<f64> {
         let k_c = self.problem.stuck_stiffness.iter().cycle();
@@ -288,7 +289,8 @@ impl<'p> Balance<'p> {
         }
     }
 
-    /// Derivative of the first harmonic of the response that defines resonance (m) along the path whose derivatives are `rates`.
+    /// Derivative of the first harmonic of the response that defines resonance (m) along the path whose derivatives are `rate`, per
+    /// unit of the path.
     #[must_use]
     pub fn response_rate(
         &self,
@@ -333,8 +335,7 @@ impl<'p> Balance<'p> {
     }
 }
 
-/// The balance equations of `problem` on `harmonics`, with at least as many time points as these need
-/// ([`time_points`]).
+/// The balance equations of `problem` on `harmonics`, with contacts evaluated as [`evaluation_on`] says.
 #[must_use]
 pub fn balance_on<'p>(
     problem: &'p Problem<'p>,
@@ -354,8 +355,8 @@ pub fn evaluation_on(settings: &HbSettings, harmonics: &HarmonicSet) -> AftSetti
     }
 }
 
-/// Number of time points for `harmonics`: at least 12 per period of the highest harmonic, so that the error by the sampling is
-/// below that by the harmonics left out, and never fewer than the study asks for.
+/// The settings `aft` with enough time points for `harmonics`: at least 12 per period of the highest harmonic, so that the error by the
+/// sampling is below that by the harmonics left out, and never fewer than `aft` asks for.
 #[must_use]
 pub fn time_points(aft: AftSettings, harmonics: &HarmonicSet) -> AftSettings {
     let wanted = (12 * harmonics.highest()).next_power_of_two();

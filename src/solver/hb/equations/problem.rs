@@ -55,7 +55,7 @@ impl<'m> Problem<'m> {
     /// # Errors
     /// [`ProblemError::NotFinite`] if a contact parameter is no finite number;
     /// [`ProblemError::NotHeld`] if the structure with stuck contacts can still move as a rigid body in the 0th harmonic;
-    /// [`ProblemError::NoLoad`] if neither static nor harmonic force moves a contact or the structure;
+    /// [`ProblemError::NoLoad`] if there are contact pairs and the harmonic force moves none of them;
     /// [`ProblemError::NotHeldWithoutFriction`] and [`ProblemError::NoStaticEquilibrium`] if `anchor` asks for a static equilibrium without
     /// friction, and there is none or it is not found.
     pub fn new(

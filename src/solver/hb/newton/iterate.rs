@@ -30,8 +30,8 @@ pub struct Iterate<'p> {
 const FORCING: f64 = 0.1;
 /// Largest tolerance of the linear solve of a Newton step.
 const LOOSEST: f64 = 1e-3;
-/// Round-off of the mean displacements over the scale of the problem from which on it counts as a residual: parts that only contacts hold may
-/// be so far from them that the load on them is below the last digit of their place.
+/// Round-off of the mean displacements, over the displacement scale of the problem, above which it counts as a residual: a part that only
+/// contacts hold may be so far from them that the load on the part is below the last digit of its position.
 const HIDDEN: f64 = 1e-10;
 
 impl<'p> Iterate<'p> {
@@ -59,8 +59,9 @@ impl<'p> Iterate<'p> {
         }
     }
 
-    /// Largest component of the residual over the displacement scale of the problem, which does not depend on the point; round-off of the
-    /// mean displacements over this scale, where the static load may disappear in it.
+    /// Largest component of the residual over the displacement scale of the problem, which does not depend on the point. Where the round-off
+    /// of the mean displacements over this scale is above `HIDDEN`, the larger of both: the static load may disappear in that
+    /// round-off. Not a number where the residual is not finite.
     #[must_use]
     pub fn relative_residual(&self, balance: &Balance<'_>) -> f64 {
         let scale = balance.problem.displacement_scale(self.point.level);
@@ -133,7 +134,8 @@ impl<'p> Iterate<'p> {
         negated(&jacobian.solve(&balance.level_slope(&self.compliance)))
     }
 
-    /// Derivative of the response that defines resonance if the point moves along `direction` and the level along `level`.
+    /// Derivative of the first harmonic of the response that defines resonance (m per unit of the path) if the point moves along `direction`,
+    /// and the level by `level` per unit of the path.
     #[must_use]
     pub fn response_rate(
         &self,

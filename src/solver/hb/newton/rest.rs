@@ -27,7 +27,7 @@ const DAMPING: Damping = Damping {
 };
 /// Level over the slip onset at which pairs stick for sure.
 const BELOW_ONSET: f64 = 0.5;
-/// Share of the Coulomb limit below which a pair at rest has slipped.
+/// Margin of the traction to the Coulomb limit, as a share of that limit, up to which a pair at rest counts as having slipped.
 const NO_MARGIN: f64 = 1e-9;
 
 /// Static equilibrium, and how it answers a small excitation at one frequency.
@@ -132,7 +132,8 @@ impl Rest {
         stiffness
     }
 
-    /// The response at `level` and the frequency `omega` (rad/s) of the structure with that stiffness.
+    /// The response at `level` and the frequency `omega` (rad/s) of the structure with the contact stiffness of [`Self::sliding_stiffness`],
+    /// about the rest.
     pub(in crate::hb) fn sliding(&self, balance: &Balance<'_>, omega: f64, level: f64) -> Point {
         let stiffness = self.sliding_stiffness();
         let at = Compliance::new(balance.problem.model, &stiffness, &[0, 1], omega);

@@ -39,7 +39,7 @@ const DECAY: f64 = 2.0;
 /// the threshold, and the amplitude by less than the second share: what is left after the step is smaller.
 const LAST_STEP: [f64; 2] = [0.25, 0.02];
 
-/// Residual to which it is solved where damped steps are needed, over its dynamic displacement and the threshold. If the
+/// Residual of a solve on more harmonics by damped steps, over the dynamic displacement of the solution and over the threshold. If the
 /// amplitude is wrong by a hundred times this residual, that is a tenth of the threshold.
 const EXACT_ENOUGH: f64 = 1e-3;
 
@@ -59,7 +59,7 @@ fn rungs(alert: AlertSettings, first: usize) -> BTreeSet<usize> {
     rungs
 }
 
-/// These and the highest harmonics of the sets on which such solutions are compared.
+/// The highest harmonics in `rungs`, and those of the sets on which solutions on these rungs are compared.
 fn sizes(alert: AlertSettings, rungs: &BTreeSet<usize>) -> BTreeSet<usize> {
     let compared = rungs.iter().map(|&rung| 2 * rung);
     let fewest = rungs.first().map(|&first| alert.most_compared(first));
@@ -100,7 +100,7 @@ pub struct TruncationEstimate {
     pub error: f64,
     /// Whether the error is by a solve; else it is by one Newton step onto twice the harmonics.
     pub by_solve: bool,
-    /// Number of the set on which the solution was compared: the larger one, if there are two.
+    /// Index of the set on which the solution was compared: the larger one, if there are two.
     pub set: usize,
     /// The solution on this set, or the point after the Newton step.
     pub point: Point,
@@ -139,13 +139,13 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         self.sets[i].0.highest()
     }
 
-    /// Number of the set with twice the harmonics of set `i`, which is one that a solution may have.
+    /// Index of the set with twice the harmonics of set `i`, which is one that a solution may have.
     #[must_use]
     pub fn twice(&self, i: usize) -> usize {
         self.with_at_least(2 * self.highest(i))
     }
 
-    /// Number of the smallest set with so many harmonics.
+    /// Index of the smallest set with at least so many harmonics.
     fn with_at_least(&self, harmonics: usize) -> usize {
         self.sets
             .partition_point(|(set, _)| set.highest() < harmonics)

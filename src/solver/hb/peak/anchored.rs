@@ -3,8 +3,9 @@
 //! The method and its rules are those of [`super::predicted`]; the equations are those in free modes
 //! ([`crate::hb::equations::free`]). Newton's correction and the tangent of the branch are solved for together, in single
 //! precision with residuals in double precision. The directions of one iteration precondition the next one, and the tangent of
-//! one starts that of the next. In place of the residual R its size P R counts, an error of the displacements: where
-//! contacts are stiff against a light mode R itself is larger by their ratio.
+//! one starts that of the next. What must be small is P R, with P the inverse of the anchor, and not R: P R is
+//! about the error of the displacements. Where contacts are stiff against a light mode R is larger than this error by the ratio of both
+//! stiffnesses.
 //!
 //! A peak found like this is evaluated once more as all others are, and must have a residual within the tolerance.
 
@@ -51,7 +52,7 @@ const BESIDE: f64 = 0.05;
 pub struct AnchorInverse<'a> {
     /// What holds harmonic 0 for all samples.
     pub reference: &'a StaticReference,
-    /// At the peak of that sample.
+    /// The inverse Jacobian at the peak of the solved sample.
     pub inverse: &'a InverseJacobian,
 }
 
@@ -97,13 +98,13 @@ pub fn anchored<'p>(
         settings,
     };
     let (point, sharpness) = search.from(prediction)?;
-    let found = certified(balance, point, sharpness, limits)?;
+    let found = confirmed(balance, point, sharpness, limits)?;
     if !found.is_flat() {
         return Ok(found);
     }
     match search.higher_beside(&found) {
         Ok(None) => Ok(found),
-        Ok(Some((point, sharpness))) => certified(balance, point, sharpness, limits),
+        Ok(Some((point, sharpness))) => confirmed(balance, point, sharpness, limits),
         Err(_) => Ok(highest_beside(balance, found, settings, newton)),
     }
 }
@@ -195,7 +196,7 @@ impl<'a> AnchoredSearch<'a> {
 
 /// The peak at `point`, if its residual is within the tolerance. A small excitation asks for more digits than both forms of the static
 /// equations have in common: then the residual is taken off once, which solves them where contacts stick.
-fn certified<'p>(
+fn confirmed<'p>(
     balance: &Balance<'p>,
     point: Point,
     sharpness: Option<f64>,
@@ -319,8 +320,8 @@ impl<'a> PreconditionedSolver<'a> {
         false
     }
 
-    /// The correction −J⁻¹ R at `iterate`, a point with a residual of this `size`; sets the tangent to −J⁻¹ ∂R/∂ω. None if a solve
-    /// does not converge.
+    /// The correction −J⁻¹ R at `iterate`; sets the tangent to −J⁻¹ ∂R/∂ω. `size` is the residual P R over the dynamic displacement, and
+    /// decides how exactly both are solved for. None if a solve does not converge.
     fn solve(
         &mut self,
         iterate: &FreeIterate<'_>,

@@ -120,10 +120,11 @@ fn chosen(correlations: &[Vec<f64>]) -> Vec<Option<usize>> {
         (0..all.len()).filter(is_near).collect()
     };
     let near: Vec<Vec<usize>> = correlations.iter().map(near).collect();
-    let only = |near: &Vec<usize>| Some(near[0]).filter(|_| near.len() == 1);
-    let mut names: Vec<Option<usize>> = (near.iter())
-        .map(|near| if near.is_empty() { None } else { only(near) })
-        .collect();
+    let only = |near: &Vec<usize>| match near[..] {
+        [mode] => Some(mode),
+        _ => None,
+    };
+    let mut names: Vec<Option<usize>> = near.iter().map(only).collect();
     let mut unclear: Vec<usize> = (0..near.len()).filter(|&i| near[i].len() > 1).collect();
     let clearness = |i: usize| largest(&correlations[i]) / correlations[i].iter().sum::<f64>();
     unclear.sort_by(|&a, &b| clearness(b).total_cmp(&clearness(a)));

@@ -55,8 +55,8 @@ pub(super) fn sliding_maximum<'p>(
 /// last of `rungs`; with short steps if that fails with long ones.
 ///
 /// # Errors
-/// [`Status::NoPeakInBand`] if the branch has none, else the status of the sweep that failed: a sweep that stopped inside the
-/// band says nothing about the rest of the band.
+/// [`Status::NoPeakInBand`] if the branch has none; [`Status::MaxIterations`] if a maximum that may be the highest could not be located; else
+/// the status of the sweep that failed: a sweep that stopped inside the band says nothing about the rest of the band.
 pub(super) fn swept_maximum<'p>(
     rungs: &[Balance<'p>],
     level: f64,
@@ -98,8 +98,8 @@ impl<'p> BandSweep<'_, 'p> {
     }
 
     /// The highest maximum that the upward sweep passes, or else the downward one. Two sweeps that stop within the band cover all of
-    /// it together if one of them stops at a solution that the other has reached. It is not known where a sweep passes a higher one that
-    /// could not be located.
+    /// it together if one of them stops at a solution that the other has reached. Where a sweep passes a maximum that
+    /// may be higher, but could not be located, the highest maximum is not known.
     ///
     /// # Errors
     /// As of [`swept_maximum`].

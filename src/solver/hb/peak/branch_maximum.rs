@@ -92,9 +92,10 @@ fn competing(
     let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
     let own = height(&start);
     let is_known = |other: f64| is_near(other, omega) || is_near(other, found.omega);
-    let comes_near = |other: &Located<'_>| match height(other) {
-        higher if higher > (1.0 + LEAST_GAIN) * own => true,
-        lower => lower >= COMES_NEAR * own && !is_known(other.iterate.point.omega),
+    let comes_near = |other: &Located<'_>| {
+        let top = height(other);
+        let is_higher = top > (1.0 + LEAST_GAIN) * own;
+        is_higher || (top >= COMES_NEAR * own && !is_known(other.iterate.point.omega))
     };
     // more harmonics may split the maximum into two, or have led to one that does not belong to it
     let start = (!is_near(omega, found.omega)).then_some(start);

@@ -130,7 +130,8 @@ impl Growth {
         (self.response / other.response).arg()
     }
 
-    /// Whether a maximum lies between this iterate and one further along the branch.
+    /// Whether the growth falls from this iterate to `further`, an iterate further along the branch, at a rate that belongs to a maximum.
+    /// The signs of both growths do not count.
     pub(crate) fn falls_to(&self, further: &Self) -> bool {
         usable(&((self.growth - further.growth) / further.ahead_of(self)))
     }

@@ -16,9 +16,9 @@ use std::cmp::Reverse;
 
 /// A mode is searched if its reach is at least this part of the highest maximum found so far.
 const SEARCHED: f64 = 0.5;
-/// A maximum that is not known to be that of the mode m by which it was found counts as one of the mode m plus this number,
+/// A maximum that was found in the search of mode m, but may belong to another mode, is stored under the number m + `ON_BRANCH`.
 pub const ON_BRANCH: usize = 1 << 16;
-/// and another one on the branch through it as one of the mode m plus this one. The structure has neither.
+/// Another maximum on the branch through one of mode m is stored under the number m + `BESIDE`. No mode of the structure has such numbers.
 const BESIDE: usize = 2 * ON_BRANCH;
 /// Two solutions are the same maximum up to these relative distances of frequency and amplitude.
 const SAME: [f64; 2] = [1e-6, 1e-5];
@@ -77,9 +77,9 @@ pub fn search_maxima<E>(
             maxima[i].add(candidate, found, choice);
         }
         for i in wanted {
-            for misled in maxima[i].misled(candidate.mode) {
-                let other = candidates.iter().filter(|other| other.mode == misled);
-                for other in other {
+            // a prediction of another mode led to the maximum of this one: that mode is searched again
+            for mode in maxima[i].misled(candidate.mode) {
+                for other in candidates.iter().filter(|of| of.mode == mode) {
                     for again in search(other, &[i], &maxima)? {
                         maxima[i].correct(other, candidate.mode, again);
                     }
@@ -132,7 +132,7 @@ impl Maxima {
         }
     }
 
-    /// Where one mode is wanted, nothing but its own maximum counts.
+    /// Adds the result of the search of a mode. Where one mode is wanted, nothing but its own maximum counts.
     fn add(&mut self, candidate: &Candidate, search: ModeSearch, choice: PeakChoice) {
         let (mut peak, mut others, is_own) = (search.peak, search.others, search.is_own);
         self.count += peak.count;

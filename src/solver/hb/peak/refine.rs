@@ -120,7 +120,7 @@ struct Refinement<'r, 's, 'p> {
 
 /// The solution on one harmonic set.
 struct OnSet<'p> {
-    /// Number of the set.
+    /// Index of the set in `AlertSets`.
     set: usize,
     found: Located<'p>,
 }
@@ -128,7 +128,7 @@ struct OnSet<'p> {
 /// The amplitude of the solution on another harmonic set.
 #[derive(Clone, Copy)]
 struct KnownAmplitude {
-    /// Number of the set.
+    /// Index of the set in `AlertSets`.
     set: usize,
     /// |ŷ| (m).
     amplitude: f64,

@@ -61,7 +61,7 @@ pub enum Locating {
 struct Track<'a, 'p> {
     /// The problem on sets with more and more harmonics. The track is followed on the first; the last is that of the study.
     ladder: &'a [Balance<'p>],
-    /// Number of the set on which the maximum is searched.
+    /// Index in `ladder` of the set on which the maximum is searched first.
     few: usize,
     settings: &'a HbSettings,
     peak: PeakSettings,
@@ -148,7 +148,7 @@ pub fn track_mode(
         track.at = track.start(&rest, levels.first().copied().unwrap_or(1.0));
         track.rest = Some(rest);
     }
-    levels.iter().map(|&level| track.level(level)).collect()
+    levels.iter().map(|&level| track.peak_at(level)).collect()
 }
 
 impl<'a, 'p> Track<'a, 'p> {
@@ -164,7 +164,7 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// The peak at `level`.
-    fn level(&mut self, level: f64) -> LevelPeak {
+    fn peak_at(&mut self, level: f64) -> LevelPeak {
         let effort = &self.full().problem.effort;
         effort.grant(self.settings.newton.budget);
         // Ratios of such levels are no numbers, and the track would never give up on them.
@@ -177,7 +177,7 @@ impl<'a, 'p> Track<'a, 'p> {
                 Ok(found) => {
                     let solution = Solution {
                         route: Some(route),
-                        ..self.peak(found)
+                        ..self.reported(found)
                     };
                     return LevelPeak::found(solution, self.meter.read());
                 }
@@ -218,7 +218,7 @@ impl<'a, 'p> Track<'a, 'p> {
         searches
     }
 
-    /// Number of the set of the study.
+    /// Index in `ladder` of the set of the study.
     fn last(&self) -> usize {
         self.ladder.len() - 1
     }
@@ -229,7 +229,7 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// What is reported of the maximum `found` on the harmonics of the study, with as many more as the alert asks for.
-    fn peak(&self, found: Located<'p>) -> Solution {
+    fn reported(&self, found: Located<'p>) -> Solution {
         let (full, settings) = (self.full(), self.settings);
         let found = match settings.aft.events {
             Events::Located => found,

@@ -44,10 +44,11 @@ const ESTIMATES: [f64; 2] = [0.1 * CURVE_ERROR, CURVE_ERROR / 3.0];
 const LINEAR_STEPS: [f64; 2] = [0.3, 0.125];
 /// A longer segment, in half-widths of the peak, is compared with a solution in its middle.
 const LONG: f64 = 8.0;
-/// Range of the length of such a step over that of the step before.
+/// Where contacts are linear: range of the length of a step over that of the step before.
 const LINEAR_GROWTH: [f64; 2] = [0.5, 2.0];
-/// Distances, in half-widths of a mode, from a solution at which one at its resonance and one a half-width beside it tell nothing new: the
-/// largest amplitude is 0.5 % above it at most, and the cubics know the width.
+/// A resonance needs no solution of its own where a solution lies within the first distance, in half-widths of its mode: the amplitude there
+/// is at most 0.5 % below the largest. A place one half-width beside the resonance needs none where a solution lies within the second
+/// distance: the cubics then have the width of the resonance.
 const NEXT_TO: [f64; 2] = [0.1, 0.5];
 
 /// Deviation of a dynamic contact force from that of a contact that sticks or is open, over the largest one, below which it is linear.
@@ -170,7 +171,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         Some(found.towards(from.tangent.omega))
     }
 
-    /// Adds the solutions at a resonance of the stuck structure and at its half-widths, if this side passes them and has none next to them:
+    /// Adds the solutions at a resonance of the structure at rest and at its half-widths, if this side passes them and has none next to them:
     /// solutions far from a narrow resonance do not tell of it.
     ///
     /// Returns `None` if one is not found.

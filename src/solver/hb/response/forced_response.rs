@@ -79,7 +79,8 @@ pub enum Largest {
 ///
 /// All solutions are on the harmonics of the settings; the truncation error is estimated, not reduced. If the branch cannot
 /// be followed to its end, a point with the status that says why ends the first part. The second part, swept from the upper
-/// end of the band, then begins with such a point. `progress` is given the share of the band that is done.
+/// end of the band, then begins with such a point. `progress` is given the share of the band that the running
+/// sweep has passed; the second sweep begins at 0 again.
 #[must_use]
 pub fn over_band(
     problem: &Problem<'_>,

@@ -38,6 +38,7 @@ pub struct SlowSweep<'a> {
 /// frequencies of the list. Frequencies outside the band extend it. With an error alert every solution gets more harmonics
 /// until the truncation error is not above the threshold. Frequencies beyond the point where the sweep stopped are met by the
 /// opposite sweep. Frequencies that neither meets are solved one by one, each from its neighbour.
+/// `progress` is given the share of the frequencies that sweeps have met.
 #[must_use]
 pub fn at_frequencies(
     problem: &Problem<'_>,

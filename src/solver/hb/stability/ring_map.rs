@@ -9,7 +9,8 @@
 //! μ = γ^(N/g) ζ^(−σ)
 //! ```
 //!
-//! with ζ = exp(−2πi c/g), by which a disturbance of class c differs from sector j to j + N/g, between which nothing differs.
+//! with ζ = exp(−2πi c/g), the factor by which a disturbance of class c differs between the sectors j and j + N/g. The contacts of these two
+//! sectors have the same derivatives at all times.
 //!
 //! A ring of few unknowns has all multipliers by a dense matrix; of others the largest ones are found by what becomes of a few
 //! disturbances (`leading`).
@@ -45,7 +46,7 @@ pub struct RingMap {
     shift: usize,
     /// N/g.
     laps: usize,
-    /// Of the waves 0 to N/2: in these coordinates what is stuck does not grow, also for a while.
+    /// Energy coordinates of the waves 0 to N/2: in them a disturbance of stuck contacts never grows, not even for part of a period.
     norms: Vec<EnergyNorm>,
 }
 
@@ -259,7 +260,7 @@ impl RingMap {
         };
         let waves = 0..self.norms.len();
         let (eta, rate): (Vec<_>, Vec<_>) = waves
-            .map(|wave| (self.norms[wave].coordinates(&read(wave)), read(wave)))
+            .map(|wave| (self.norms[wave].eta(&read(wave)), read(wave)))
             .unzip();
         let active = self.sectors.active.len();
         let mut slider = Mat::zeros(2 * active * n, x.ncols());
@@ -323,7 +324,7 @@ impl RingMap {
             first += self.rows(wave);
         };
         for (wave, (eta, rate)) in state.eta.iter().zip(&state.rate).enumerate() {
-            write(wave, &self.norms[wave].of(eta));
+            write(wave, &self.norms[wave].energy_coordinates(eta));
             write(wave, rate);
         }
         let active = self.sectors.active.len();

@@ -143,8 +143,8 @@ pub(super) struct EnergyNorm {
 }
 
 impl EnergyNorm {
-    /// Of each column of η.
-    pub(super) fn of(&self, eta: &Mat<c64>) -> Mat<c64> {
+    /// The energy coordinates of each column of η.
+    pub(super) fn energy_coordinates(&self, eta: &Mat<c64>) -> Mat<c64> {
         let mut along = self.modes.adjoint() * eta;
         for j in 0..along.ncols() {
             let scaled = along.col_as_slice_mut(j).iter_mut().zip(&self.scales);
@@ -153,8 +153,8 @@ impl EnergyNorm {
         along
     }
 
-    /// η of each column.
-    pub(super) fn coordinates(&self, x: &Mat<c64>) -> Mat<c64> {
+    /// η of each column of energy coordinates.
+    pub(super) fn eta(&self, x: &Mat<c64>) -> Mat<c64> {
         let along = Mat::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / self.scales[i]);
         &self.modes * along
     }

@@ -38,7 +38,7 @@ pub struct HarmonicCompliance<'p> {
     pub real: Mat<f64>,
     /// Im Gₖ (m/N). Shape: 3·n_contacts square.
     pub imaginary: Mat<f64>,
-    /// The structure for harmonic k: the whole one, or the half of its parity.
+    /// The structure for harmonic k: the whole one, the half of its parity, or a sector of a disk in the wave of this harmonic.
     pub part: &'p ModalPart,
     stuck_stiffness: &'p [f64],
     modes: FreeModes,
