@@ -154,7 +154,7 @@ class Model:
         if points.ndim not in (1, 2) or rows.shape[1] != wanted:
             names = ", ".join(self.input_names)
             raise StudyError(f"X has the shape {points.shape}: must be (n, {wanted}), columns {names}")
-        frequency, amplitude, status = self._native.evaluate(rows.tobytes(), wanted)
+        frequency, amplitude, status = self._native.evaluate(rows.tobytes(), len(rows))
         shape = points.shape[:-1] + (len(self.levels),)
 
         def numbers(data: bytes) -> NDArray[np.float64]:

@@ -60,19 +60,16 @@ impl Evaluator {
         self.model.anchors()
     }
 
-    /// Resonances at points given as the bytes of doubles, `columns` of them per point.
-    fn evaluate<'py>(
-        &self,
-        py: Python<'py>,
-        points: &[u8],
-        columns: usize,
-    ) -> PyResult<Found<'py>> {
+    /// Resonances at `rows` points given as the bytes of doubles, one point after the other; of a study without random inputs no byte.
+    fn evaluate<'py>(&self, py: Python<'py>, points: &[u8], rows: usize) -> PyResult<Found<'py>> {
         let (numbers, _) = points.as_chunks::<8>();
         let numbers: Vec<f64> = numbers
             .iter()
             .map(|bytes| f64::from_ne_bytes(*bytes))
             .collect();
-        let rows: Vec<&[f64]> = numbers.chunks_exact(columns.max(1)).collect();
+        let columns = numbers.len() / rows.max(1);
+        let row = |k: usize| &numbers[k * columns..(k + 1) * columns];
+        let rows: Vec<&[f64]> = (0..rows).map(row).collect();
         let work = Work::new(self.pool.as_ref(), None);
         let found = work.done(py, |stop, _| self.model.evaluate(&rows, stop))?;
         let found = found.map_err(refused)?;

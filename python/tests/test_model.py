@@ -10,7 +10,7 @@ from pathlib import Path
 import microslip
 import numpy as np
 import pytest
-from conftest import write_study
+from conftest import STUDIES, write_study
 
 POINTS = np.array([[1.0, 0.4], [0.5, 0.3], [2.0, 0.55]])
 
@@ -91,6 +91,17 @@ def test_what_is_not_found_is_data_and_scalar_says_so(tmp_path: Path) -> None:
         model.scalar(points)
     with pytest.raises(microslip.StudyError, match="output = 'phase'"):
         model.scalar(points, output="phase", level=1.0)  # type: ignore[arg-type]
+
+
+def test_a_study_without_random_inputs_is_a_function_of_nothing(tmp_path: Path) -> None:
+    """Seen to fail with the number of points taken from the number of bytes."""
+    text = (STUDIES / "own-matrices" / "study.toml").read_text(encoding="utf-8")
+    inputs = text[text.index("[inputs.") : text.index("[", text.rindex("[inputs.") + 1)]
+    model = microslip.Study.read(write_study(tmp_path, (inputs, ""))).model(anchors=0)
+    assert model.input_names == []
+    one, three = model(np.empty(0)), model(np.empty((3, 0)))
+    assert one[0].shape == (2,) and three[0].shape == (3, 2)
+    assert three[0].tolist() == [one[0].tolist()] * 3
 
 
 def test_ctrl_c_ends_an_evaluation(model: microslip.Model) -> None:

@@ -3,14 +3,15 @@
 //! A chain is an ensemble of its own, a function of the posterior, the seed and its number: chains run on any number of threads and give
 //! the same draws.
 
-use super::posterior::Posterior;
+use super::posterior::{Posterior, log_prior};
 use super::settings::CalibrationSettings;
 use crate::sampling::stream::{CALIBRATION, uniform};
-use crate::special::normal_quantile;
-use hammer_and_sample::{DifferentialEvolution, MinChainLen, Mixture, Model, Serial, sample};
+use crate::special::{normal_cdf, normal_quantile};
+use hammer_and_sample::{DifferentialEvolution, MinChainLen, Mixture, Model, Move, Serial, sample};
 use libm::log;
-use rand::SeedableRng;
+use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha20Rng;
+use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// Draws after the warm-up.
@@ -90,12 +91,13 @@ impl Chains {
 }
 
 /// Walkers that propose moves along the differences between others: such moves have the posterior's shape, however narrow it is in some
-/// direction. Every tenth goes the whole difference, so that walkers change between combinations of inputs that both have weight.
+/// direction. Every tenth goes the whole difference, so that walkers change between combinations of inputs that both have weight, and
+/// every tenth anywhere in the prior, so that they find such a combination where none of them began.
 ///
 /// Source: ter Braak 2006, Stat. Comput. 16, 239–249; Nelson, Ford & Payne 2014, Astrophys. J. Suppl. 210, 11.
 struct Ensemble<'a> {
     posterior: &'a Posterior<'a>,
-    moves: Mixture<u32, (DifferentialEvolution, DifferentialEvolution)>,
+    moves: Mixture<u32, (DifferentialEvolution, DifferentialEvolution, Anew)>,
     positions: Vec<Vec<f64>>,
     generators: Vec<ChaCha20Rng>,
     accepted: usize,
@@ -118,7 +120,7 @@ impl<'a> Ensemble<'a> {
         let whole = DifferentialEvolution::new(1.0, SCATTER);
         Self {
             posterior,
-            moves: Mixture::from(((local, 9), (whole, 1))),
+            moves: Mixture::from(((local, 8), (whole, 1), (Anew, 1))),
             positions: starts.to_vec(),
             generators: (0..starts.len() as u64).map(generator).collect(),
             accepted: 0,
@@ -138,6 +140,21 @@ impl<'a> Ensemble<'a> {
     }
 }
 
+/// A move to a draw of the prior, wherever the walker is.
+struct Anew;
+
+impl Move<Vec<f64>> for Anew {
+    fn propose<'a, O, R>(&self, this: &'a Vec<f64>, _: O, random: &mut R) -> (Vec<f64>, f64)
+    where
+        O: FnMut(&mut R) -> &'a Vec<f64>,
+        R: Rng,
+    {
+        let new: Vec<f64> = this.iter().map(|_| StandardNormal.sample(random)).collect();
+        let correction = log_prior(this) - log_prior(&new);
+        (new, correction)
+    }
+}
+
 impl Model for Posterior<'_> {
     type Params = Vec<f64>;
 
@@ -152,13 +169,13 @@ impl Model for Posterior<'_> {
 /// Source: Efraimidis & Spirakis 2006, Inf. Process. Lett. 97, 181–185, in logarithms.
 fn starts(posterior: &Posterior<'_>, seed: u64, wanted: usize) -> Vec<Vec<f64>> {
     let unknowns = posterior.dimension();
+    // no two walkers may have a coordinate in common: moves along differences would never change it
+    let [low, high] = [-FARTHEST_START, FARTHEST_START].map(normal_cdf);
     let draw = |index: u64| {
         let number = |dimension| uniform(seed, index, dimension);
-        let z =
-            |dimension| normal_quantile(number(dimension)).clamp(-FARTHEST_START, FARTHEST_START);
+        let z = |dimension| normal_quantile(low + (high - low) * number(dimension));
         let start: Vec<f64> = (CALIBRATION..).take(unknowns).map(z).collect();
-        let prior = -0.5 * start.iter().map(|z| z * z).sum::<f64>();
-        let likelihood = posterior.log_density(&start) - prior;
+        let likelihood = posterior.log_density(&start) - log_prior(&start);
         let drawn = CALIBRATION + unknowns as u32;
         (likelihood - log(-log(number(drawn))), start)
     };

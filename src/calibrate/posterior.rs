@@ -119,13 +119,17 @@ impl<'a> Posterior<'a> {
     /// Logarithm of the density but for a constant. Shape of `position`: [`Posterior::dimension`].
     #[must_use]
     pub fn log_density(&self, position: &[f64]) -> f64 {
-        let prior = -0.5 * position.iter().map(|z| z * z).sum::<f64>();
         let observations = self.observations.means.iter();
         let predictions = self.predictions(position);
         let misfits = observations.zip(predictions).map(|(o, [mean, variance])| {
             let away = o.mean - mean;
             -0.5 * (away * away / variance + log(variance))
         });
-        prior + misfits.sum::<f64>()
+        log_prior(position) + misfits.sum::<f64>()
     }
+}
+
+/// Logarithm of the density before the measurement, but for a constant: all coordinates of a position are standard normal then.
+pub(super) fn log_prior(position: &[f64]) -> f64 {
+    -0.5 * position.iter().map(|z| z * z).sum::<f64>()
 }

@@ -6,6 +6,8 @@ use crate::setting::BadSetting;
 use crate::special::{normal_cdf, normal_quantile};
 use crate::statistics::Polynomials;
 
+/// Probability at which a value may not be that of an end.
+const HEAP: f64 = 0.01;
 /// Least distance of a probability from 0 and 1: of a value at the end of its distribution.
 const END: f64 = 1e-12;
 
@@ -48,6 +50,11 @@ impl Prior {
         let rule = "must hold a random input, which a measurement could tell something of";
         BadSetting::unless(!places.is_empty(), "inputs", "(none)", rule)?;
         let inputs: Vec<_> = places.iter().map(|j| design.inputs()[*j].clone()).collect();
+        for (input, law) in &inputs {
+            let key = format!("inputs.{}", input.name());
+            let rule = "must not have 1 % of its probability within the rounding of an end: values there do not tell their place in the distribution";
+            BadSetting::unless(!is_heaped(law), &key, law, rule)?;
+        }
         Ok(Self {
             polynomials: (inputs.iter())
                 .map(|(_, law)| Polynomials::of_law(law.is_gaussian()))
@@ -131,4 +138,10 @@ impl Prior {
             })
             .collect()
     }
+}
+
+/// Whether the values at an end of a distribution, and at a hundredth of its probability from there, are the same number.
+fn is_heaped(law: &Distribution) -> bool {
+    let same = |a: f64, b: f64| law.quantile(a) == law.quantile(b);
+    same(END, HEAP) || same(1.0 - HEAP, 1.0 - END)
 }

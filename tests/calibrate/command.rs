@@ -227,22 +227,31 @@ fn a_response_that_cannot_be_is_named() {
     }
 }
 
-/// An input whose values only number the draws of a field has no posterior that a surrogate could give. Seen to fail without the rule.
+/// An input whose values only number the draws of a field has no posterior that a surrogate could give, nor has one whose values at an end do not tell
+/// their place in the distribution. Seen to fail without the rules.
 #[test]
-fn an_input_that_numbers_draws_is_refused() {
-    let folder = case();
-    let path = folder.path().join("study.toml");
-    let study = std::fs::read_to_string(&path).unwrap();
-    let [from, to] = ["[inputs.static_load_scale]", "[frequency]"].map(|name| study.find(name));
-    let drawn = "[inputs.initial_traction]\ndistribution = \"uniform\"\nlow = 0.0\nhigh = 1.0\n\n";
-    let study = study.replace(&study[from.unwrap()..to.unwrap()], drawn);
-    std::fs::write(&path, study).unwrap();
-    let output = calibrate(folder.path(), &[]);
-    assert_eq!(output.status.code(), Some(2), "{output:?}");
-    let text = String::from_utf8_lossy(&output.stderr);
-    let rule =
-        "inputs.initial_traction = (given): must be absent: its values only number the draws";
-    assert!(text.contains(rule), "{text}");
+fn inputs_that_no_surrogate_follows_are_refused() {
+    for (input, rule) in [
+        (
+            "[inputs.initial_traction]\ndistribution = \"uniform\"\nlow = 0.0\nhigh = 1.0\n\n",
+            "inputs.initial_traction = (given): must be absent: its values only number the draws",
+        ),
+        (
+            "[inputs.static_load_scale]\ndistribution = \"beta\"\nalpha = 0.02\nbeta = 0.02\nlow = 0.9\nhigh = 1.1\n\n",
+            "must not have 1 % of its probability within the rounding of an end",
+        ),
+    ] {
+        let folder = case();
+        let path = folder.path().join("study.toml");
+        let study = std::fs::read_to_string(&path).unwrap();
+        let [from, to] = ["[inputs.static_load_scale]", "[frequency]"].map(|name| study.find(name));
+        let study = study.replace(&study[from.unwrap()..to.unwrap()], input);
+        std::fs::write(&path, study).unwrap();
+        let output = calibrate(folder.path(), &[]);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(text.contains(rule), "{text}");
+    }
 }
 
 /// A run of the prior, re-weighted by draws of the posterior, has the posterior of the frequency 100 + load − resistance. It is known in

@@ -81,6 +81,36 @@ pub(super) fn swept_maximum<'p>(
     }
 }
 
+/// The highest maximum on each sweep through the band at `level` until one passes the whole of it: upwards and downwards, then both with short
+/// steps. What is met counts also where a sweep stops inside the band.
+pub(super) fn maxima_of_sweeps<'p>(
+    balance: &Balance<'p>,
+    level: f64,
+    peak: PeakSettings,
+    newton: NewtonSettings,
+) -> Vec<Located<'p>> {
+    let mut met = Vec::new();
+    for step in [SWEEP_STEP, SHORT_STEP] {
+        let sweep = BandSweep {
+            rungs: std::slice::from_ref(balance),
+            level,
+            peak,
+            newton,
+            step,
+        };
+        for direction in [SweepDirection::Upward, SweepDirection::Downward] {
+            let Ok(swept) = sweep.swept(direction) else {
+                continue;
+            };
+            met.extend(swept.highest);
+            if swept.end.status == Status::Converged {
+                return met;
+            }
+        }
+    }
+    met
+}
+
 /// Sweeps through a band at one level.
 struct BandSweep<'a, 'p> {
     /// The same problem on ever more harmonics; the sweeps follow the branch on those of the last.

@@ -10,7 +10,7 @@
 //! A maximum that was predicted from other samples, whose branches are known, needs this only where the prediction is in doubt, on its
 //! resonance alone, or where another maximum of theirs is lost ([`Extent`]).
 
-use super::band::{SWEEP_STEP, swept_maximum};
+use super::band::{SWEEP_STEP, maxima_of_sweeps};
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
 use super::search::{
@@ -58,7 +58,7 @@ pub enum Extent {
 /// comes near; and the work.
 ///
 /// None where all contacts stick at `found`, whose response is linear. Where the branch cannot be followed to the end of the band, the part
-/// that is known counts. The branch that begins at that end of the band is searched, too, unless `found` lies on it.
+/// that is known counts, and the band is swept, too.
 pub fn other_on_branch(
     problem: &Problem<'_>,
     settings: &HbSettings,
@@ -86,7 +86,7 @@ fn competing(
 ) -> Option<Solution> {
     let balance = balance_on(problem, settings.harmonics.clone(), settings);
     let start = on_harmonics(&balance, found, peak, settings.newton).ok()?;
-    let maxima = maxima_on_branch(&balance, &start, settings, peak, found, extent);
+    let maxima = maxima_on_branch(&balance, &start, settings, peak, extent);
     let start = Located::from(Iterate::new(&balance, start));
     let omega = start.iterate.point.omega;
     let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
@@ -142,14 +142,12 @@ fn is_near(omega: f64, other: f64) -> bool {
     (omega / other - 1.0).abs() <= SAME
 }
 
-/// The maxima on the branch through `start`, the maximum `found` on the harmonics of `balance`, and the highest of the sweep through the
-/// band where that is made.
+/// The maxima on the branch through `start`, and those of sweeps through the band where these are made.
 fn maxima_on_branch<'p>(
     balance: &Balance<'p>,
     start: &Point,
     settings: &HbSettings,
     peak: PeakSettings,
-    found: &Solution,
     extent: Extent,
 ) -> Vec<Located<'p>> {
     let (newton, effort) = (settings.newton, &balance.problem.effort);
@@ -164,13 +162,10 @@ fn maxima_on_branch<'p>(
         let beside = higher_on_both_sides(balance, &start, least, n_starts, peak, newton);
         (sides, beside)
     });
-    let is_whole = sides.iter().all(|side| side.is_whole);
-    let is_swept = found.route.is_some_and(PeakRoute::is_of_any_mode);
-    let elsewhere = match is_whole || is_swept {
-        true => None,
+    let elsewhere = match sides.iter().all(|side| side.is_whole) {
+        true => Vec::new(),
         false => effort.with_own_budget(newton.budget, || {
-            let balance = std::slice::from_ref(balance);
-            swept_maximum(balance, found.level, peak, newton).ok()
+            maxima_of_sweeps(balance, start.level, peak, newton)
         }),
     };
     let maxima = sides.into_iter().flat_map(|side| side.maxima);
