@@ -91,7 +91,7 @@ impl Chains {
 }
 
 /// Walkers that propose moves along the differences between others: such moves have the posterior's shape, however narrow it is in some
-/// direction. Every tenth goes the whole difference, so that walkers change between combinations of inputs that both have weight, and
+/// direction. Every fifth goes the whole difference, so that walkers change between combinations of inputs that both have weight, and
 /// every tenth anywhere in the prior, so that they find such a combination where none of them began.
 ///
 /// Source: ter Braak 2006, Stat. Comput. 16, 239–249; Nelson, Ford & Payne 2014, Astrophys. J. Suppl. 210, 11.
@@ -120,7 +120,7 @@ impl<'a> Ensemble<'a> {
         let whole = DifferentialEvolution::new(1.0, SCATTER);
         Self {
             posterior,
-            moves: Mixture::from(((local, 8), (whole, 1), (Anew, 1))),
+            moves: Mixture::from(((local, 7), (whole, 2), (Anew, 1))),
             positions: starts.to_vec(),
             generators: (0..starts.len() as u64).map(generator).collect(),
             accepted: 0,
