@@ -33,6 +33,8 @@ const FARTHEST_START: f64 = 2.0;
 const FEWEST_WALKERS: usize = 20;
 /// Moves of a walker between two draws that are kept, per unknown.
 const MOVES: usize = 10;
+/// Shares of the moves: along a difference with the best length for a normal posterior, along the whole difference, anywhere in the prior.
+const SHARES: [usize; 3] = [7, 2, 1];
 /// Scatter of the length of a move, relative.
 const SCATTER: f64 = 1e-5;
 
@@ -97,7 +99,7 @@ impl Chains {
 /// Source: ter Braak 2006, Stat. Comput. 16, 239–249; Nelson, Ford & Payne 2014, Astrophys. J. Suppl. 210, 11.
 struct Ensemble<'a> {
     posterior: &'a Posterior<'a>,
-    moves: Mixture<u32, (DifferentialEvolution, DifferentialEvolution, Anew)>,
+    moves: Mixture<usize, (DifferentialEvolution, DifferentialEvolution, PriorDraw)>,
     positions: Vec<Vec<f64>>,
     generators: Vec<ChaCha20Rng>,
     accepted: usize,
@@ -115,12 +117,13 @@ impl<'a> Ensemble<'a> {
             generator.set_stream(walker);
             generator
         };
+        let [of_best, of_whole, of_prior] = SHARES;
         let best = 2.38 / (2.0 * posterior.dimension() as f64).sqrt();
         let local = DifferentialEvolution::new(best, SCATTER);
         let whole = DifferentialEvolution::new(1.0, SCATTER);
         Self {
             posterior,
-            moves: Mixture::from(((local, 7), (whole, 2), (Anew, 1))),
+            moves: Mixture::from(((local, of_best), (whole, of_whole), (PriorDraw, of_prior))),
             positions: starts.to_vec(),
             generators: (0..starts.len() as u64).map(generator).collect(),
             accepted: 0,
@@ -141,9 +144,11 @@ impl<'a> Ensemble<'a> {
 }
 
 /// A move to a draw of the prior, wherever the walker is.
-struct Anew;
+///
+/// Source: independence chain of Tierney 1994, Ann. Stat. 22, 1701–1762.
+struct PriorDraw;
 
-impl Move<Vec<f64>> for Anew {
+impl Move<Vec<f64>> for PriorDraw {
     fn propose<'a, O, R>(&self, this: &'a Vec<f64>, _: O, random: &mut R) -> (Vec<f64>, f64)
     where
         O: FnMut(&mut R) -> &'a Vec<f64>,

@@ -1,7 +1,7 @@
 //! Inputs of a study from measured forced responses: their posterior distribution.
 //!
 //! The prior is what the study states of its inputs. Solved samples shape a surrogate of frequency and amplitude at each measured
-//! level ([`surrogate`]), whose error enters the likelihood ([`posterior`]). Markov chains draw from the posterior ([`chains`]);
+//! level ([`surrogate`]), whose error enters the likelihood ([`posterior`]). Ensembles of walkers draw from the posterior ([`chains`]);
 //! some of the draws are solved, and where the surrogate is worse there than it was taken for, they shape it, too ([`calibration`]).
 //! Start reading at [`calibrate()`].
 //!

@@ -7,11 +7,11 @@ use crate::setting::{BadSetting, within};
 pub struct CalibrationSettings {
     /// Samples of the study that are solved to shape the surrogates; absent = those of the study.
     pub samples: Option<u64>,
-    /// Markov chains.
+    /// Markov chains: ensembles of walkers, independent of each other.
     pub chains: usize,
-    /// Draws of each chain that are kept.
+    /// Draws of each chain that are kept, of all its walkers together.
     pub draws: usize,
-    /// Draws of each chain before these, while it finds its step.
+    /// Draws of each chain before these, while its walkers find the posterior.
     pub warm_up: usize,
     /// Seed of the chains.
     pub seed: u64,
