@@ -81,8 +81,8 @@ pub(super) fn swept_maximum<'p>(
     }
 }
 
-/// The highest maximum on each sweep through the band at `level` until one passes the whole of it: upwards and downwards, then both with short
-/// steps. What is met counts also where a sweep stops inside the band.
+/// The highest maximum on each sweep through the band at `level`, with short steps, too, if those with long ones do not cover it. What is met counts
+/// also where a sweep stops inside the band.
 pub(super) fn maxima_of_sweeps<'p>(
     balance: &Balance<'p>,
     level: f64,
@@ -91,21 +91,18 @@ pub(super) fn maxima_of_sweeps<'p>(
 ) -> Vec<Located<'p>> {
     let mut met = Vec::new();
     for step in [SWEEP_STEP, SHORT_STEP] {
-        let sweep = BandSweep {
-            rungs: std::slice::from_ref(balance),
+        let rungs = std::slice::from_ref(balance);
+        let (sweeps, status) = BandSweep {
+            rungs,
             level,
             peak,
             newton,
             step,
-        };
-        for direction in [SweepDirection::Upward, SweepDirection::Downward] {
-            let Ok(swept) = sweep.swept(direction) else {
-                continue;
-            };
-            met.extend(swept.highest);
-            if swept.end.status == Status::Converged {
-                return met;
-            }
+        }
+        .sweeps();
+        met.extend(sweeps.into_iter().filter_map(|swept| swept.highest));
+        if matches!(status, Status::Converged | Status::BudgetSpent) {
+            break;
         }
     }
     met
@@ -127,35 +124,45 @@ impl<'p> BandSweep<'_, 'p> {
         &self.rungs[self.rungs.len() - 1]
     }
 
-    /// The highest maximum that the upward sweep passes, or else the downward one. Two sweeps that stop within the band cover all of
-    /// it together if one of them stops at a solution that the other has reached. Where a sweep passes a maximum that
-    /// may be higher, but could not be located, the highest maximum is not known.
+    /// The highest maximum that the upward sweep passes, or else the downward one; of both where they cover the band together. Where a sweep
+    /// passes a maximum that may be higher, but could not be located, the highest maximum is not known.
     ///
     /// # Errors
     /// As of [`swept_maximum`].
     fn maximum(&self) -> Result<Located<'p>, Status> {
-        let (balance, newton) = (self.balance(), self.newton);
-        let upward = self.swept(SweepDirection::Upward);
-        let (highest, lost) = match upward {
-            Ok(swept) if swept.end.status == Status::Converged => (swept.highest, swept.lost),
-            upward => {
-                let downward = self.swept(SweepDirection::Downward)?;
-                match (downward.end.status, upward) {
-                    (Status::Converged, _) => (downward.highest, downward.lost),
-                    (_, Ok(upward)) if upward.joins(&downward, balance, newton) => {
-                        let both = [upward.highest, downward.highest].into_iter().flatten();
-                        let highest = both.reduce(|best, other| higher(balance, best, other));
-                        (highest, upward.lost.max(downward.lost))
-                    }
-                    (status, _) => return Err(status),
-                }
-            }
-        };
-        match highest {
-            Some(highest) if highest.iterate.response(balance).norm() >= lost => Ok(highest),
+        let (mut sweeps, status) = self.sweeps();
+        if status != Status::Converged {
+            return Err(status);
+        }
+        if let Some(whole) = sweeps.iter().position(Swept::is_whole) {
+            sweeps = vec![sweeps.swap_remove(whole)];
+        }
+        let lost = sweeps.iter().map(|swept| swept.lost).fold(0.0, f64::max);
+        let met = sweeps.into_iter().filter_map(|swept| swept.highest);
+        match met.reduce(|best, other| higher(self.balance(), best, other)) {
+            Some(highest) if highest.iterate.response(self.balance()).norm() >= lost => Ok(highest),
             None if lost == 0.0 => Err(Status::NoPeakInBand),
             _ => Err(Status::MaxIterations),
         }
+    }
+
+    /// The upward sweep and, unless it passes the whole band, the downward one; [`Status::Converged`] if they cover the band, else the status of
+    /// the last. Two sweeps that stop within the band cover all of it together if one of them stops at a solution that the other has reached.
+    fn sweeps(&self) -> (Vec<Swept<'p>>, Status) {
+        let upward = self.swept(SweepDirection::Upward);
+        if upward.as_ref().is_ok_and(Swept::is_whole) {
+            return (upward.into_iter().collect(), Status::Converged);
+        }
+        let downward = self.swept(SweepDirection::Downward);
+        let status = match (&upward, &downward) {
+            (_, Err(status)) => *status,
+            (_, Ok(downward)) if downward.is_whole() => Status::Converged,
+            (Ok(upward), Ok(downward)) if upward.joins(downward, self.balance(), self.newton) => {
+                Status::Converged
+            }
+            (_, Ok(downward)) => downward.end.status,
+        };
+        (upward.into_iter().chain(downward).collect(), status)
     }
 
     /// One sweep.
@@ -208,6 +215,11 @@ struct Swept<'p> {
 }
 
 impl<'p> Swept<'p> {
+    /// Whether it has passed the whole band.
+    fn is_whole(&self) -> bool {
+        self.end.status == Status::Converged
+    }
+
     /// Whether one of two sweeps from both ends of the band stopped at a solution of the other. A branch does not divide, so
     /// that they are on one branch then, and have passed all of it between the ends of the band.
     fn joins(&self, other: &Self, balance: &Balance<'p>, newton: NewtonSettings) -> bool {
