@@ -1,11 +1,11 @@
-//! Steady cycles of the circle law with located events against plain laps of a fine march, at the onset of slip above all.
+//! Steady cycles of both laws with located events against plain laps of a fine march, at the onset of slip above all.
 
 use super::steady::border_state;
 use super::*;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Random states of each kind, where `MICROSLIP_STATES` does not say how many (a third of them of each kind).
+/// Random states of a law, where `MICROSLIP_STATES` does not say how many (a third of them of each kind).
 const STATES: usize = 300;
 /// Time points of the forces that are tested.
 const POINTS: usize = 128;
@@ -21,12 +21,13 @@ struct March {
     path: Vec<[f64; 2]>,
     normal: Vec<f64>,
     mu: f64,
+    law: FrictionLaw,
     /// Change of the slider in a lap that counts as none (N).
     still: f64,
 }
 
 impl March {
-    fn new(set: &HarmonicSet, state: &State, points: usize) -> Self {
+    fn new(set: &HarmonicSet, state: &State, law: FrictionLaw, points: usize) -> Self {
         let (m, p) = (set.n_coefficients(), &state.p);
         let rows: Vec<Vec<f64>> = phases(points).into_iter().map(|t| set.basis(t)).collect();
         let signal = |c: usize, row: &[f64]| -> f64 {
@@ -39,6 +40,7 @@ impl March {
             path: rows.iter().map(path).collect(),
             normal: rows.iter().map(normal).collect(),
             mu: p.mu,
+            law,
             still: 1e-13 * p.mu * p.n_0,
         }
     }
@@ -56,12 +58,16 @@ impl March {
                 *z = [0, 1].map(|d| from[d] + share * (s[d] - from[d]));
             }
             let limit = self.mu * load.max(0.0);
-            let mut t = [s[0] - z[0], s[1] - z[1]];
-            let square = t[0] * t[0] + t[1] * t[1];
-            if square > limit * limit {
-                let share = limit / square.sqrt();
-                t = t.map(|t| share * t);
-                *z = [s[0] - t[0], s[1] - t[1]];
+            let trial = [s[0] - z[0], s[1] - z[1]];
+            let t = match self.law {
+                FrictionLaw::Box => trial.map(|t| t.clamp(-limit, limit)),
+                FrictionLaw::Circle => {
+                    let size = trial[0].hypot(trial[1]);
+                    trial.map(|t| if size > limit { t * limit / size } else { t })
+                }
+            };
+            for d in (0..2).filter(|&d| t[d] != trial[d]) {
+                z[d] = s[d] - t[d];
             }
             tractions.push(t);
         }
@@ -105,11 +111,11 @@ impl March {
 
 /// Forces of the fine march after half of the laps and after all, and whether the slider still creeps then. The march errs by the
 /// step: two of them are extrapolated.
-fn marched(set: &HarmonicSet, state: &State) -> ([Vec<f64>; 2], bool) {
+fn marched(set: &HarmonicSet, law: FrictionLaw, state: &State) -> ([Vec<f64>; 2], bool) {
     let p = &state.p;
     let anchor = [0, 1].map(|d| p.k_t[d] * p.anchor[d]);
     let [(coarse, a), (fine, b)] =
-        [FINE, 2 * FINE].map(|points| March::new(set, state, points).run(set, anchor));
+        [FINE, 2 * FINE].map(|points| March::new(set, state, law, points).run(set, anchor));
     let extrapolated = |k: usize| {
         let pairs = coarse[k].iter().zip(&fine[k]);
         pairs.map(|(coarse, fine)| 2.0 * fine - coarse).collect()
@@ -162,8 +168,14 @@ fn onset_state(rng: &mut ChaCha8Rng, set: &HarmonicSet) -> State {
 }
 
 /// What is wrong with the forces of one state, in words.
-fn fault(set: &HarmonicSet, state: &State, found: &[f64], summary: StateSummary) -> Option<String> {
-    let ([half, plain], creeps) = marched(set, state);
+fn fault(
+    set: &HarmonicSet,
+    law: FrictionLaw,
+    state: &State,
+    found: &[f64],
+    summary: StateSummary,
+) -> Option<String> {
+    let ([half, plain], creeps) = marched(set, law, state);
     let [before, error] = [half, plain].map(|forces| relative_difference(found, &forces));
     let wrong = error > ERROR && !(creeps && error < before);
     let lost = summary.periodicity == Periodicity::NotPeriodic;
@@ -180,26 +192,35 @@ fn steady_cycles_at_the_onset_of_slip_are_those_of_a_fine_march() {
     let asked = std::env::var("MICROSLIP_STATES").ok();
     let states = asked.map_or(STATES, |text| text.parse().expect("a number of states")) / 3;
     let set = HarmonicSet::up_to(1);
-    let s = settings(POINTS, FrictionLaw::Circle, Events::Located, Laps::Periodic);
-    let plan = AftPlan::<f64>::new(&set, s);
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let kinds = [
-        random_states(&mut rng, &set, states),
-        (0..states).map(|_| border_state(&mut rng, &set)).collect(),
-        (0..states).map(|_| onset_state(&mut rng, &set)).collect(),
-    ];
-    for (kind, states) in ["random", "border", "onset"].into_iter().zip(kinds) {
-        let found = run(&plan, &states, Want::Forces);
-        let tangents = run(&plan, &states, Want::ForcesAndTangents);
-        assert!(
-            found.forces == tangents.forces,
-            "{kind}: forces with tangents"
-        );
-        let faults: Vec<String> = (0..states.len())
-            .into_par_iter()
-            .filter_map(|i| fault(&set, &states[i], &forces(&found, i), found.summaries[i]))
-            .collect();
-        println!("{kind}: {} of {} states", faults.len(), states.len());
-        assert!(faults.is_empty(), "{kind}:\n{}", faults.join("\n"));
+    for law in [FrictionLaw::Box, FrictionLaw::Circle] {
+        let plan =
+            AftPlan::<f64>::new(&set, settings(POINTS, law, Events::Located, Laps::Periodic));
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let kinds = [
+            random_states(&mut rng, &set, states),
+            (0..states).map(|_| border_state(&mut rng, &set)).collect(),
+            (0..states).map(|_| onset_state(&mut rng, &set)).collect(),
+        ];
+        for (kind, states) in ["random", "border", "onset"].into_iter().zip(kinds) {
+            let found = run(&plan, &states, Want::Forces);
+            let tangents = run(&plan, &states, Want::ForcesAndTangents);
+            assert!(
+                found.forces == tangents.forces,
+                "{law:?}, {kind}: forces with tangents"
+            );
+            let faults: Vec<String> = (0..states.len())
+                .into_par_iter()
+                .filter_map(|i| {
+                    let forces = forces(&found, i);
+                    fault(&set, law, &states[i], &forces, found.summaries[i])
+                })
+                .collect();
+            println!(
+                "{law:?}, {kind}: {} of {} states",
+                faults.len(),
+                states.len()
+            );
+            assert!(faults.is_empty(), "{law:?}, {kind}:\n{}", faults.join("\n"));
+        }
     }
 }
