@@ -1,5 +1,5 @@
-//! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written, 3 = stopped before the
-//! end.
+//! Arguments, messages and exit codes: 0 = done, 1 = a curve of `solve` has a gap, 2 = bad input or a file that cannot be read or written,
+//! 3 = stopped before the end.
 //!
 //! Each command is a file: its arguments, what it calls of the library, and what it shows.
 
@@ -62,6 +62,8 @@ use serve::ServeArguments;
 use status::StatusArguments;
 use study_arguments::StudyArguments;
 
+/// Exit code of a command that has written what it found, where a part of the answer is not known.
+const INCOMPLETE: u8 = 1;
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
 /// Exit code of a command that was stopped.
@@ -96,7 +98,7 @@ Examples:
                                             the inputs that a measured response tells of, as samples
   microslip serve study.toml --port 4242    the model for UM-Bridge clients: inputs in, resonances out
 
-Exit codes: 0 done, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
+Exit codes: 0 done, 1 a curve of `solve` has a gap, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
 
 #[derive(Parser)]
 #[command(version = VERSION.as_str(), about, after_help = EXAMPLES)]
@@ -176,11 +178,11 @@ impl Command {
         )
     }
 
-    fn execute(&self) -> Result<(), Error> {
-        match self {
+    fn execute(&self) -> Result<ExitCode, Error> {
+        let done = match self {
+            Self::Solve(arguments) => return solve::execute(arguments),
             Self::Run(arguments) => arguments.execute(),
             Self::Extend(arguments) => arguments.execute(),
-            Self::Solve(arguments) => solve::execute(arguments),
             Self::Merge(arguments) => arguments.execute(),
             Self::Status(arguments) => arguments.status(),
             Self::Verify(arguments) => arguments.verify(),
@@ -200,7 +202,8 @@ impl Command {
             Self::Devices => devices::execute(),
             Self::Completions(arguments) => arguments.execute(),
             Self::Man(arguments) => arguments.execute(),
-        }
+        };
+        done.map(|()| ExitCode::SUCCESS)
     }
 }
 
@@ -213,7 +216,7 @@ pub(crate) fn main() -> ExitCode {
         run_control::end_on_signal(log);
     }
     match arguments.command.execute() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         // A reader such as `head` that has seen enough is no failure of ours.
         Err(Error::File(FileError::System { source, .. }))
             if source.kind() == ErrorKind::BrokenPipe =>

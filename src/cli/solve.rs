@@ -2,7 +2,9 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::process::ExitCode;
 
+use super::INCOMPLETE;
 use super::log::Event;
 use super::study_arguments::StudyArguments;
 use super::terminal::{Bar, print};
@@ -12,7 +14,8 @@ use microslip::hb::{Solution, Status};
 use microslip::study::{FrequencyUnit, LevelCurve, Study, solve};
 use serde_json::{Value, json};
 
-pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
+/// Its exit code says whether all curves are whole.
+pub(super) fn execute(arguments: &StudyArguments) -> Result<ExitCode, Error> {
     arguments.threads.start()?;
     let study = Study::read(&arguments.study)?;
     arguments.messages.log.warn(&study.warnings);
@@ -21,11 +24,16 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     let curves = solve(&study, &folder, |progress| bar.show(progress))?;
     bar.clear();
     let log = arguments.messages.log;
-    log.warn(&stopped(&curves, study.frequency.unit));
+    let gaps = stopped(&curves, study.frequency.unit);
+    log.warn(&gaps);
+    let code = match gaps.is_empty() {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::from(INCOMPLETE),
+    };
     let ended = Event::Finished(in_json(&curves, folder.path()));
     log.write(&ended);
     if arguments.messages.quiet {
-        return Ok(());
+        return Ok(code);
     }
     print(|out| {
         for curve in &curves {
@@ -33,7 +41,8 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
         }
         let path = folder.path().display();
         writeln!(out, "curve.csv and solution.json are in {path}")
-    })
+    })?;
+    Ok(code)
 }
 
 /// Levels whose curve is not known as a whole, which is no success for those who see warnings alone.
