@@ -99,6 +99,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         one_at_a_time: None,
         components: Vec::new(),
         contact_grid: None,
+        finer_grid: None,
         requirements: Requirements::default(),
         stopping: None,
         surrogate: None,

@@ -241,7 +241,7 @@ impl Study {
 }
 
 impl<'s> PreparedStudy<'s> {
-    fn of(study: Cow<'s, Study>) -> Result<Self, Error> {
+    pub(super) fn of(study: Cow<'s, Study>) -> Result<Self, Error> {
         let model = study.build_model()?;
         let linear = study.linear(&model)?;
         let interface = |&pair: &usize| model.reduced.contacts[pair].interface;

@@ -5,7 +5,6 @@ use microslip::ensemble::outcome::{AroundPeak, SampleOutcome, SweepRecord};
 use microslip::report::numbers::Extreme;
 use microslip::report::numbers::IndexResult;
 use microslip::report::numbers::{Bound, Quantiles};
-use microslip::report::run::ContactGridRecord;
 use microslip::report::{Assessment, Summary};
 use microslip::statistics::{
     GivenData, Index, Judgement, Limit, Observed, Side, first_order_index, quantile_estimate,
@@ -428,33 +427,4 @@ fn the_worst_case_is_drawn_at_the_points() {
     );
     assert_eq!(count("class=\"mark "), 1);
     assert!(section.contains("the search for the worst case has met"));
-}
-
-/// The row of the contact grid is its share of the largest shift of a sample, and it is in the verdicts on frequencies. Seen to
-/// fail with the share of the frequency.
-#[test]
-fn the_contact_grid_is_in_the_budget() {
-    let mut study = SyntheticStudy::new(90);
-    let row = |study: &SyntheticStudy| {
-        let input = study.input();
-        let summary = Summary::of(&input);
-        let assessment = Assessment::of(&input, &summary);
-        let mut budget = assessment.error_budget.into_iter();
-        let line = budget.find(|l| l.source == "Contact grid");
-        let levels = summary.levels.iter();
-        let highest = levels.map(|l| l.frequency_hz.moments.unwrap().maximum);
-        (line.unwrap(), highest.fold(0.0, f64::max))
-    };
-    assert_eq!(row(&study).0.frequency_hz, None);
-    study.record.contact_grid = Some(ContactGridRecord {
-        contact_nodes: [5, 3],
-        shift_hz: 7.0,
-        limit_hz: 7.7,
-        relative: 0.1,
-    });
-    let (line, highest) = row(&study);
-    let shift = highest - study.record.free.frequency_hz.unwrap();
-    let found = line.frequency_hz.unwrap();
-    assert!((found - 0.1 * shift).abs() < 1e-12, "{found}");
-    assert_eq!(line.amplitude_relative, None);
 }

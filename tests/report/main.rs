@@ -7,6 +7,7 @@
 mod assessment;
 mod columns;
 mod comparison;
+mod contact_grid;
 mod control_variate;
 mod epistemic;
 mod identification;

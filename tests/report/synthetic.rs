@@ -184,6 +184,7 @@ fn record() -> RunRecord {
         one_at_a_time: None,
         components: Vec::new(),
         contact_grid: None,
+        finer_grid: None,
         disk: None,
         static_load: Some(StaticLoadRecord {
             load_n: 180.0,

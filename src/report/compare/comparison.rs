@@ -107,7 +107,7 @@ impl Compared {
         let half = |ends: Enclosed| 0.5 * (ends.upper - ends.lower);
         let enclosed = |peak: PeakRecord| {
             let shift = half(errors.frequency(&peak));
-            let share = half(errors.amplitude(&peak)) / peak.amplitude_m;
+            let share = half(errors.amplitude(i, &peak)) / peak.amplitude_m;
             let (value, error) = match self {
                 Self::FrequencyHz => (peak.frequency_hz, shift),
                 Self::AmplitudeM => (peak.amplitude_m, share * peak.amplitude_m),

@@ -9,7 +9,7 @@ use crate::contact::{Events, FrictionLaw};
 use crate::ensemble::store::Provenance;
 use crate::page::display::significant;
 use crate::report::run::input::ReportInput;
-use crate::report::run::record::RunRecord;
+use crate::report::run::record::{FinerGridRecord, RunRecord};
 use crate::statistics::{Sorted, quantile};
 use serde::Serialize;
 
@@ -31,6 +31,8 @@ const HARMONICS: &str = "Harmonics left out";
 const PLACE: &str = "Place of the peak";
 const PRECISION: &str = "Precision of the numbers";
 const SURROGATE: &str = "Surrogate";
+/// Amplitude: at its worst level in the budget, and level by level in verdicts.
+pub(in crate::report) const CONTACT_GRID: &str = "Contact grid";
 
 /// Lines that are no error of a solved sample: verdicts know the number of samples by their confidence, and use no surrogate.
 pub(in crate::report) const NO_NUMERICAL_ERROR: [&str; 2] = [SAMPLING, SURROGATE];
@@ -220,24 +222,59 @@ fn contact_grid(record: &RunRecord, summary: &Summary) -> ErrorLine {
     let shift = highest.zip(free).map(|(highest, free)| highest - free);
     let shift = shift.filter(|shift| *shift > 0.0);
     let grid = record.contact_grid.as_ref();
+    let of_shift = grid.zip(shift).map(|(grid, shift)| grid.relative * shift);
+    let finer = record.finer_grid.as_ref();
+    let of_peaks = finer.and_then(|finer| largest_change(&finer.shift_change_hz));
+    let amplitude = finer.and_then(|finer| largest_change(&finer.amplitude_change));
+    let linear = grid.map(|grid| {
+        format!(
+            "shift of neck bending by stuck contacts at nominal stiffness: {} Hz on {} x {} nodes, {} Hz extrapolated with \
+             a grid twice as fine (order 1.5); this share of the largest shift of a sample",
+            significant(grid.shift_hz),
+            grid.contact_nodes[0],
+            grid.contact_nodes[1],
+            significant(grid.limit_hz),
+        )
+    });
+    let peaks = finer.map(|finer| finer_peaks(finer, record));
+    let known: Vec<String> = linear.into_iter().chain(peaks).collect();
     ErrorLine {
-        source: "Contact grid",
-        frequency_hz: grid.zip(shift).map(|(grid, shift)| grid.relative * shift),
-        amplitude_relative: None,
-        basis: match (record.components.is_empty(), grid) {
+        source: CONTACT_GRID,
+        frequency_hz: largest([of_shift, of_peaks].into_iter()),
+        amplitude_relative: amplitude,
+        basis: match (record.components.is_empty(), known.is_empty()) {
             (true, _) => "the contact pairs are the user's".to_owned(),
-            (false, None) => "compare a run with more contact_nodes".to_owned(),
-            (false, Some(grid)) => format!(
-                "shift of neck bending by stuck contacts at nominal stiffness: {} Hz on {} x {} nodes, {} Hz extrapolated with \
-                 a grid twice as fine (order 1.5); this share of the largest shift of a sample. Amplitude: compare a run \
-                 with more contact_nodes",
-                significant(grid.shift_hz),
-                grid.contact_nodes[0],
-                grid.contact_nodes[1],
-                significant(grid.limit_hz),
-            ),
+            (false, true) => "compare a run with more contact_nodes".to_owned(),
+            (false, false) => known.join(". "),
         },
     }
+}
+
+/// The largest change without its sign; absent if one is.
+fn largest_change(of_levels: &[Option<f64>]) -> Option<f64> {
+    let known: Option<Vec<f64>> = of_levels.iter().copied().collect();
+    largest(known?.into_iter().map(|change| Some(change.abs())))
+}
+
+/// What the finer contact grid changes at each level, in words.
+fn finer_peaks(finer: &FinerGridRecord, record: &RunRecord) -> String {
+    let unit = &record.level_unit;
+    let peaks = finer.shift_change_hz.iter().zip(&finer.amplitude_change);
+    let changes = peaks.zip(&record.levels).map(|(of, level)| match of {
+        (Some(shift), Some(amplitude)) => {
+            format!(
+                "{shift:+.2} Hz and {:+.1} % at {level} {unit}",
+                100.0 * amplitude
+            )
+        }
+        _ => format!("not known at {level} {unit}"),
+    });
+    format!(
+        "Nominal peaks on {} x {} nodes against the grid of the study, on its first harmonics: frequency over the free one and amplitude {}",
+        finer.contact_nodes[0],
+        finer.contact_nodes[1],
+        changes.collect::<Vec<_>>().join(", ")
+    )
 }
 
 fn reduction(record: &RunRecord) -> ErrorLine {

@@ -9,7 +9,7 @@ pub mod stored_run;
 pub use input::ReportInput;
 pub use record::{
     CONTROL_VARIATE, ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord,
-    InputRecord, LinearRecord, RECORD, RunRecord, StaticLoadRecord, TABLES,
+    FinerGridRecord, InputRecord, LinearRecord, RECORD, RunRecord, StaticLoadRecord, TABLES,
 };
 pub use stored_run::{
     CHANGED, StoredRun, engine_order, order_folder, order_of_folder, require_unchanged,

@@ -64,6 +64,10 @@ pub struct RunRecord {
     pub components: Vec<ComponentRecord>,
     /// What the contact grid of the built-in rig changes; absent where nobody estimated it.
     pub contact_grid: Option<ContactGridRecord>,
+    /// What a finer contact grid changes at nominal inputs; absent for the user's own matrices, where it would take long, and in records of
+    /// an older program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finer_grid: Option<FinerGridRecord>,
     /// The load against which performance curves show the excitation; absent for the user's own matrices, and in records of an
     /// older program.
     pub static_load: Option<StaticLoadRecord>,
@@ -174,6 +178,18 @@ pub struct ContactGridRecord {
     pub limit_hz: f64,
     /// Error over the shift, without sign.
     pub relative: f64,
+}
+
+/// Peaks at nominal inputs on a contact grid half again as fine, against those on the study's own, on its first harmonics. Absent where one
+/// of the two was not found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FinerGridRecord {
+    /// Contact nodes per interface of the finer grid, across the gap and along it.
+    pub contact_nodes: [usize; 2],
+    /// Resonance frequency over that of the structure without contacts, on the finer grid minus on that of the study (Hz). Shape: `[levels]`.
+    pub shift_change_hz: Vec<Option<f64>>,
+    /// Amplitude on it over that on the grid of the study, minus 1. Shape: `[levels]`.
+    pub amplitude_change: Vec<Option<f64>>,
 }
 
 /// The centrifugal load on the strip of the built-in rig.

@@ -109,7 +109,7 @@ impl Judged<'_> {
     /// The result of a peak; where a sweep meets more, the peak may be there.
     fn enclosed(&self, peak: &PeakRecord, above: Option<Maximum>) -> Enclosed {
         let mut frequency = self.errors.frequency(peak);
-        let mut amplitude = self.errors.amplitude(peak);
+        let mut amplitude = self.errors.amplitude(self.level, peak);
         if let Some(above) = above {
             frequency.lower = frequency.lower.min(above.frequency_hz);
             frequency.upper = frequency.upper.max(above.frequency_hz);

@@ -75,6 +75,12 @@ impl Ensemble<'_> {
         self.outcome(Subject::Nominal, &Atlas::default()).0
     }
 
+    /// The levels of this outcome alone, without curves.
+    #[must_use]
+    pub fn nominal_levels(&self) -> Vec<LevelOutcome> {
+        self.found_at(&[], &[], &Atlas::default(), None).levels
+    }
+
     fn outcome(&self, subject: Subject, atlas: &Atlas) -> (SampleOutcome, Anchor, SampleTimes) {
         let (index, inputs) = match subject {
             Subject::Nominal => (0, Vec::new()),

@@ -26,7 +26,8 @@ pub(super) fn estimated_time(
         true => time_of_tracks(study, size, levels.slipping),
         false => 0.0,
     };
-    let time = factor * processor_time(study, size, levels) + of_tracks;
+    let of_finer_grid = time_of_finer_grid(study, size, levels.slipping);
+    let time = factor * processor_time(study, size, levels) + of_tracks + of_finer_grid;
     Ok((time, pilot))
 }
 
@@ -40,6 +41,8 @@ const FIRST_SAMPLES: u64 = 64;
 /// What one of the very first samples of the built-in model takes more, which follows its peak from the stuck structure through the levels: of
 /// the larger harmonic sets of the alert nothing. A pilot has measured it of a model of one's own.
 const WORK_OF_TRACK: f64 = 60.0;
+/// Work of a nominal peak on a finer contact grid at a level with slip, in factorisations of that grid.
+const WORK_OF_FINER_GRID: f64 = 17.0;
 /// Work of the stability of a peak.
 const WORK_OF_STABILITY: f64 = 3.0;
 /// Operations of the stability of a peak of a disk, per sector and per square of its degrees of freedom.
@@ -101,6 +104,19 @@ fn time_of_tracks(study: &Study, size: SolveSize, slipping: usize) -> f64 {
     }
     let samples = study.samples.min(FIRST_ANCHORS) as f64;
     samples * slipping as f64 * WORK_OF_TRACK * time_of_factorisation(size.unknowns)
+}
+
+/// Time of the nominal peaks on a finer contact grid (s), contacts slipping at so many levels.
+fn time_of_finer_grid(study: &Study, size: SolveSize, slipping: usize) -> f64 {
+    let nodes = |[across, along]: [usize; 2]| (across * along) as f64;
+    let blades = study.model.blades();
+    let Some((own, finer)) = blades.zip(study.model.finer_contact_nodes()) else {
+        return 0.0;
+    };
+    // a mistuned disk has them of all its sectors, and its nominal peaks are those of one
+    let of_sector = size.unknowns / size.mistuned_blades.unwrap_or(1);
+    let unknowns = of_sector as f64 * nodes(finer) / nodes(own.contact_nodes);
+    slipping as f64 * WORK_OF_FINER_GRID * time_of_factorisation(unknowns as usize)
 }
 
 /// Time of a mistuned disk at one level (s): a sweep that passes the resonances of all blades, and the highest maxima located.

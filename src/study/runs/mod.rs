@@ -2,6 +2,7 @@
 //!
 //! Start reading at [`run::run`]; `session` is what all of them share.
 
+mod contact_grid;
 mod control_variate;
 pub mod extend;
 pub mod join;

@@ -1,5 +1,6 @@
 //! What `run.json` says of a study before its samples.
 
+use super::contact_grid::{contact_grid, finer_grid};
 use crate::Error;
 use crate::ensemble::Ensemble;
 use crate::ensemble::backend::BackendReport;
@@ -13,8 +14,7 @@ use crate::model::two_blade::ComponentSummary;
 use crate::report::RunRecord;
 use crate::report::run::record::{DiskRecord, NodalRecord};
 use crate::report::run::{
-    ComponentRecord, ContactGridRecord, DesignRecord, FileRecord, InputRecord, LinearRecord,
-    StaticLoadRecord,
+    ComponentRecord, DesignRecord, FileRecord, InputRecord, LinearRecord, StaticLoadRecord,
 };
 use crate::sampling::DesignKind;
 use crate::study::estimate::inspect::{NodalFrequencies, nodal_diameters};
@@ -40,6 +40,8 @@ pub(super) fn first_record(
     let study = &prepared.study;
     let (linear, band) = (&prepared.linear, prepared.band());
     let nominal = prepared.nominal_problem()?;
+    let (outcome, finer_grid) =
+        rayon::join(|| ensemble.nominal(), || finer_grid(prepared, ensemble));
     let design = &study.design;
     Ok(RunRecord {
         provenance: provenance(prepared),
@@ -62,10 +64,11 @@ pub(super) fn first_record(
         level_unit: level_unit(study).to_owned(),
         stuck: linear_record(study, linear, &nominal.stuck_stiffness, band)?,
         free: linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?,
-        nominal: Some(ensemble.nominal()),
+        nominal: Some(outcome),
         one_at_a_time: None,
         components: component_records(&prepared.components),
         contact_grid: contact_grid(study),
+        finer_grid,
         static_load: static_load(study),
         disk: disk(prepared)?,
         requirements: study.requirements.clone(),
@@ -76,23 +79,6 @@ pub(super) fn first_record(
         files: study.file_records()?,
         tables: Vec::new(),
         wall_time_s: 0.0,
-    })
-}
-
-/// What the contact grid of the built-in rig changes.
-fn contact_grid(study: &Study) -> Option<ContactGridRecord> {
-    let ModelSettings::TwoBladeStrip {
-        blades, interface, ..
-    } = &study.model
-    else {
-        return None;
-    };
-    let found = blades.grid_error(interface)?;
-    Some(ContactGridRecord {
-        contact_nodes: found.contact_nodes,
-        shift_hz: found.shift_hz,
-        limit_hz: found.limit_hz(),
-        relative: found.relative(),
     })
 }
 

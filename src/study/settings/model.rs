@@ -59,6 +59,32 @@ impl ModelSettings {
         }
     }
 
+    /// Contact nodes of a grid half again as fine in both directions, on which the nominal peaks of a built-in model are solved too, to see
+    /// what its own changes. Absent for the user's own matrices, for so many nodes that it would take minutes, and with pressures that are
+    /// given node by node.
+    #[must_use]
+    pub fn finer_contact_nodes(&self) -> Option<[usize; 2]> {
+        let blades = self.blades()?;
+        let finer = blades.contact_nodes.map(|n| n + n.div_ceil(2));
+        let few = finer[0] * finer[1] <= MOST_FINER_NODES;
+        (few && blades.pressure_weights.is_none()).then_some(finer)
+    }
+
+    /// The same with another contact grid, if the model is built in.
+    #[must_use]
+    pub fn with_contact_nodes(&self, contact_nodes: [usize; 2]) -> Self {
+        let mut model = self.clone();
+        match &mut model {
+            Self::TwoBladeStrip { blades, .. }
+            | Self::Cyclic(CyclicSettings {
+                sector: SectorSettings::BladeStrip { blades, .. },
+                ..
+            }) => blades.contact_nodes = contact_nodes,
+            Self::Matrices(_) | Self::Cyclic(_) => {}
+        }
+        model
+    }
+
     /// Constants of the built-in interfaces, if the model has any.
     #[must_use]
     pub fn interface(&self) -> Option<&InterfaceSettings> {
@@ -123,6 +149,9 @@ impl ModelSettings {
         }
     }
 }
+
+/// Most contact nodes per interface of a finer grid: with more its peaks take minutes.
+const MOST_FINER_NODES: usize = 60;
 
 /// A disk by one of its sectors.
 #[derive(Debug, Clone, PartialEq)]
