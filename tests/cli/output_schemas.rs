@@ -114,14 +114,14 @@ fn a_run_with_failed_samples_is_described() {
 /// schema.
 #[test]
 fn responses_are_described() {
-    for (old, new) in [
-        ("", ""),
-        ("time_points = 128", "time_points = 128\nbudget = 60"),
-        ("band_hz = [100, 200]", "band_rad_s = [628, 1256]"),
+    for (old, new, code) in [
+        ("", "", 0),
+        ("time_points = 128", "time_points = 128\nbudget = 60", 1),
+        ("band_hz = [100, 200]", "band_rad_s = [628, 1256]", 0),
     ] {
         let folder = folder("study.toml", old, new);
         let output = microslip(folder.path(), &["solve", "study.toml"]);
-        assert!(output.status.success(), "{output:?}");
+        assert_eq!(output.status.code(), Some(code), "{output:?}");
         assert_described(
             &validator("solution"),
             &result(&folder, "solution.json"),

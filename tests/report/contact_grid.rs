@@ -52,7 +52,7 @@ fn the_contact_grid_is_in_the_budget() {
         "more than that of the stuck shift"
     );
     assert_eq!(line.amplitude_relative, Some(0.12));
-    for words in ["amplitude -5.00 Hz and +2.0 % at ", "-12.0 % at "] {
+    for words in ["amplitude −5.00 Hz and +2.0 % at ", "−12.0 % at "] {
         assert!(line.basis.contains(words), "{}", line.basis);
     }
     // one level without is no estimate

@@ -7,7 +7,7 @@ use super::summary::{LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
 use crate::contact::{Events, FrictionLaw};
 use crate::ensemble::store::Provenance;
-use crate::page::display::significant;
+use crate::page::display::{level_name, signed, significant};
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::{FinerGridRecord, RunRecord};
 use crate::statistics::{Sorted, quantile};
@@ -258,16 +258,17 @@ fn largest_change(of_levels: &[Option<f64>]) -> Option<f64> {
 
 /// What the finer contact grid changes at each level, in words.
 fn finer_peaks(finer: &FinerGridRecord, record: &RunRecord) -> String {
-    let unit = &record.level_unit;
     let peaks = finer.shift_change_hz.iter().zip(&finer.amplitude_change);
-    let changes = peaks.zip(&record.levels).map(|(of, level)| match of {
-        (Some(shift), Some(amplitude)) => {
-            format!(
-                "{shift:+.2} Hz and {:+.1} % at {level} {unit}",
-                100.0 * amplitude
-            )
+    let changes = peaks.zip(&record.levels).map(|(of, level)| {
+        let level = level_name(*level, &record.level_unit);
+        match of {
+            (Some(shift), Some(amplitude)) => format!(
+                "{} Hz and {} % at {level}",
+                signed(&format!("{shift:+.2}")),
+                signed(&format!("{:+.1}", 100.0 * amplitude))
+            ),
+            _ => format!("not known at {level}"),
         }
-        _ => format!("not known at {level} {unit}"),
     });
     format!(
         "Nominal peaks on {} x {} nodes against the grid of the study, on its first harmonics: frequency over the free one and amplitude {}",
