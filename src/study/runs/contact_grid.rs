@@ -11,6 +11,10 @@ use crate::study::settings::read::Study;
 use crate::units::rad_s_to_hz;
 use std::borrow::Cow;
 
+/// Newton iterations of a search on either grid, at most. A level where contacts are open for most of the period would take as many as the
+/// whole study.
+const BUDGET: usize = 600;
+
 /// The stuck shift of neck bending on the contact grid of the built-in rig, and where it goes on finer ones.
 pub(super) fn contact_grid(study: &Study) -> Option<ContactGridRecord> {
     let ModelSettings::TwoBladeStrip {
@@ -69,11 +73,12 @@ fn free_frequency_hz(ensemble: &Ensemble) -> Option<f64> {
 
 /// Nominal peaks on the first harmonics of the study; absent at levels without a solution.
 fn nominal_peaks(ensemble: &Ensemble) -> Vec<Option<PeakRecord>> {
-    let settings = HbSettings {
+    let mut settings = HbSettings {
         alert: None,
         stability: StabilityScope::Off,
         ..ensemble.settings.clone()
     };
+    settings.newton.budget = settings.newton.budget.min(BUDGET);
     let ensemble = Ensemble {
         settings: &settings,
         ..*ensemble
