@@ -39,8 +39,17 @@ pub(crate) fn contacts(model: &ReducedModel, scale: f64, mu: f64) -> Vec<Contact
 
 /// The default rig solved on one half, and the pairs of that half.
 pub(crate) fn folded(scale: f64, mu: f64) -> (LinearModel, Vec<ContactParameters<f64>>) {
-    let mut contacts = contacts(&RIG.reduced, scale, mu);
-    let linear = LinearModel::folded(&RIG.reduced, &contacts)
+    one_half(&RIG.reduced, scale, mu)
+}
+
+/// A rig solved on one half, and the pairs of that half.
+fn one_half(
+    model: &ReducedModel,
+    scale: f64,
+    mu: f64,
+) -> (LinearModel, Vec<ContactParameters<f64>>) {
+    let mut contacts = contacts(model, scale, mu);
+    let linear = LinearModel::folded(model, &contacts)
         .expect("definite")
         .expect("a mirror");
     contacts.truncate(linear.n_contacts());

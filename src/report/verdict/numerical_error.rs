@@ -47,6 +47,7 @@ impl NumericalErrors {
         let frequency = lines.iter().filter(shared).filter_map(|l| l.frequency_hz);
         let amplitude = lines.iter().filter(shared).filter(of_all_levels);
         let amplitude = amplitude.filter_map(|line| line.amplitude_relative);
+        // who gives no budget, such as a comparison of designs on one grid, wants the errors of each peak alone
         let finer = input.record.finer_grid.as_ref();
         let finer = finer.filter(|_| !lines.is_empty());
         let unknown = |of: fn(&ErrorLine) -> Option<f64>| {

@@ -41,26 +41,23 @@ pub(super) fn finer_grid(prepared: &PreparedStudy, ensemble: &Ensemble) -> Optio
         ..Study::clone(&prepared.study)
     };
     let finer = PreparedStudy::of(Cow::Owned(finer)).ok()?;
-    let (here, there) = rayon::join(
-        || nominal_peaks(ensemble),
-        || nominal_peaks(&finer.ensemble(None)),
-    );
-    let pairs: Vec<_> = here.into_iter().zip(there).collect();
+    let finer = finer.ensemble(None);
+    let (here, there) = rayon::join(|| nominal_peaks(ensemble), || nominal_peaks(&finer));
+    let pairs: Vec<(Option<PeakRecord>, Option<PeakRecord>)> =
+        here.into_iter().zip(there).collect();
     // the elements of the blades follow the grid, so that it moves their own frequencies, too
-    let free = free_frequency_hz(ensemble).zip(free_frequency_hz(&finer.ensemble(None)));
-    let shift = |(here, there): &(Option<PeakRecord>, Option<PeakRecord>)| {
-        let (free_here, free_there) = free?;
-        Some(
-            (there.as_ref()?.frequency_hz - free_there) - (here.as_ref()?.frequency_hz - free_here),
-        )
-    };
-    let amplitude = |(here, there): &(Option<PeakRecord>, Option<PeakRecord>)| {
-        Some(there.as_ref()?.amplitude_m / here.as_ref()?.amplitude_m - 1.0)
+    let free = free_frequency_hz(ensemble).zip(free_frequency_hz(&finer));
+    let change = |of: &dyn Fn(PeakRecord, PeakRecord) -> Option<f64>| -> Vec<Option<f64>> {
+        let pairs = pairs.iter();
+        pairs.map(|(here, there)| of((*here)?, (*there)?)).collect()
     };
     Some(FinerGridRecord {
         contact_nodes,
-        shift_change_hz: pairs.iter().map(shift).collect(),
-        amplitude_change: pairs.iter().map(amplitude).collect(),
+        shift_change_hz: change(&|here, there| {
+            let (free_here, free_there) = free?;
+            Some((there.frequency_hz - free_there) - (here.frequency_hz - free_here))
+        }),
+        amplitude_change: change(&|here, there| Some(there.amplitude_m / here.amplitude_m - 1.0)),
     })
 }
 

@@ -1,7 +1,7 @@
 //! What is published of the rig in words and numbers, and what the built-in one gives: Gastaldi, Berruti & Gola 2018,
 //! doi 10.1007/s40799-018-0248-z. `studies/two-blade-strip/README.md` has the table.
 
-use super::{K_N, K_T, RIG, contacts, shift};
+use super::{K_N, K_T, RIG, one_half, shift};
 use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
@@ -109,10 +109,7 @@ fn band(rig: &TwoBladeModel) -> Band {
 
 /// Peaks at the ascending `levels` (N), at nominal stiffness with 3 harmonics; each solve must converge.
 fn peaks(rig: &TwoBladeModel, mu: f64, levels: &[f64]) -> Vec<Peak> {
-    let mut contacts = contacts(&rig.reduced, 1.0, mu);
-    let folded = LinearModel::folded(&rig.reduced, &contacts).expect("definite");
-    let model = folded.expect("a mirror");
-    contacts.truncate(model.n_contacts());
+    let (model, contacts) = one_half(&rig.reduced, 1.0, mu);
     let problem = Problem::new(&model, contacts, 1.0, SliderAnchor::Unloaded).expect("well posed");
     let settings = HbSettings {
         harmonics: HarmonicSet::up_to(3),
