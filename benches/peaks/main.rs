@@ -2,7 +2,7 @@
 //!
 //! Sections: `parts` (one Newton iteration), `study` (random samples over the box of the default study, levels up to
 //! 100 N), `sweep` (this program's own continuation, 60 points around the peak), `slow-path` (the same peaks found by
-//! each sample alone), `curves` (cost of the curve of a sample beside its peak), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `pairs` (rate
+//! each sample alone), `curves` (cost of the curve of a sample beside its peak), `strip` (a structure with a strip of its own), `grids` (answer and price on contact grids), `harmonics` (rate on more harmonics), `pairs` (rate
 //! with more contact pairs), `certified` (rate at a truncation threshold of 1e-3, against 31 harmonics), `memory` (results
 //! of 100 000 samples), `peers` (the reference problem blades-strip-oop). Rates are per second of processor time of all
 //! threads; without arguments all sections run.
@@ -11,6 +11,7 @@
 
 mod clock;
 mod curves;
+mod grids;
 mod iteration;
 mod memory;
 mod peers;
@@ -24,9 +25,10 @@ fn main() {
         .skip(1)
         .filter(|a| !a.starts_with('-'))
         .collect();
-    let sections: [(&str, fn()); 11] = [
+    let sections: [(&str, fn()); 12] = [
         ("parts", iteration::parts),
         ("strip", iteration::strip),
+        ("grids", grids::grids),
         ("study", rates::study),
         ("sweep", routes::sweep),
         ("slow-path", routes::slow_path),

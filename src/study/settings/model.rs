@@ -151,7 +151,7 @@ impl ModelSettings {
 }
 
 /// Most contact nodes per interface of a finer grid: with more its peaks take minutes.
-const MOST_FINER_NODES: usize = 60;
+const MOST_FINER_NODES: usize = 64;
 
 /// A disk by one of its sectors.
 #[derive(Debug, Clone, PartialEq)]
