@@ -1,9 +1,9 @@
 //! What the contact grid changes of the answer, and of its price.
 
 use crate::clock::processor_time;
-use crate::rig::{search, settings};
+use crate::rig::{Rig, search, settings};
+use microslip::hb::AlertSettings;
 use microslip::hb::peak::track::track_peaks;
-use microslip::hb::{AlertSettings, LinearModel, Problem, SliderAnchor};
 use microslip::model::interface::InterfaceSettings;
 use microslip::model::two_blade::{TwoBladeSettings, build};
 
@@ -39,10 +39,9 @@ pub(crate) fn grids() {
             let stuck = rig.stuck_neck_bending(scale * k_n, scale * k_t);
             stuck.expect("definite").frequency - rig.free_neck_bending()
         });
-        let mut contacts = interface.parameters(&rig.reduced.contacts);
-        let linear = LinearModel::of(&rig.reduced, &contacts, true).expect("definite");
-        contacts.truncate(linear.n_contacts());
-        let problem = Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("held");
+        let contacts = interface.parameters(&rig.reduced.contacts);
+        let half = Rig::folded(&rig.reduced, contacts);
+        let problem = half.problem(1.0, interface.friction_coefficient);
         let settings = settings(5, Some(AlertSettings::default()));
         let (seconds, found) =
             processor_time(|| track_peaks(&problem, &settings, search(), &LEVELS).expect("modes"));

@@ -10,6 +10,7 @@ use microslip::hb::structure::resonance::Band;
 use microslip::hb::{
     AlertSettings, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, StabilityScope,
 };
+use microslip::model::ReducedModel;
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::sampling::{Design, Distribution, Input, Shape};
 use microslip::units::hz_to_rad_s;
@@ -37,11 +38,15 @@ impl Rig {
             n_0: 0.0,
             anchor: [0.0; 2],
         };
-        let contacts = vec![contact; model.n_contacts()];
-        let linear = LinearModel::folded(&model, &contacts)
+        Self::folded(&model, vec![contact; model.n_contacts()])
+    }
+
+    /// A rig with these pairs, on half of them.
+    pub(crate) fn folded(model: &ReducedModel, mut contacts: Vec<ContactParameters<f64>>) -> Self {
+        let linear = LinearModel::folded(model, &contacts)
             .expect("definite")
             .expect("a mirror");
-        let contacts = contacts[..linear.n_contacts()].to_vec();
+        contacts.truncate(linear.n_contacts());
         Self { linear, contacts }
     }
 
