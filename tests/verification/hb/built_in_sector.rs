@@ -1,6 +1,6 @@
 //! The built-in sector of the rig against a ring of such sectors, which is assembled as an ordinary model.
 
-use super::disk::{distance, expanded, sharp};
+use super::disk::{differences, expanded, sharp};
 use super::lumped_disk::{each, ring};
 use crate::response::at_frequencies;
 use crate::two_blade::{K_N, K_T};
@@ -39,7 +39,7 @@ fn the_built_in_sector_answers_like_its_ring() {
     let contacts = interface.parameters(&disk.contacts);
     let settings = sharp(3);
     let held = Condition::FixedFrequency;
-    let (mut stuck, mut slip, mut lift, mut worst) = (0, 0, 0, 0.0_f64);
+    let (mut stuck, mut slip, mut lift, mut worst) = (0, 0, 0, [0.0_f64; 2]);
     for engine_order in [1, 2, 4] {
         let of_sector = LinearModel::travelling_wave(&disk, engine_order).expect("definite");
         let whole = LinearModel::new(&ring(&disk, engine_order)).expect("definite");
@@ -54,21 +54,30 @@ fn the_built_in_sector_answers_like_its_ring() {
                 let start = expanded(found, n_sectors, engine_order);
                 let iterate = solve(&balance, start, held, settings.newton).expect("a solution");
                 let expected = Solution::new(&balance, &iterate, Status::Converged);
-                let error = distance(&expected, found, n_sectors, engine_order);
+                let error = differences(&expected, found, n_sectors, engine_order)
+                    .map(|difference| difference.worst / difference.largest);
                 let place = format!(
                     "order {engine_order}, {level} N at {:.0} Hz",
                     found.omega / TAU
                 );
-                println!("{place}: {error:.1e} {:?}", found.contact);
-                worst = worst.max(error);
+                println!(
+                    "{place}: {:.1e} {:.1e} {:?}",
+                    error[0], error[1], found.contact
+                );
+                worst = [0, 1].map(|i| worst[i].max(error[i]));
                 stuck += usize::from(found.contact.stick == 1.0);
                 slip += usize::from(found.contact.slip > 0.05);
                 lift += usize::from(found.contact.separated > 0.05);
             }
         }
     }
-    println!("{stuck} stuck, {slip} slip, {lift} lift; largest error {worst:.1e}");
-    assert!(worst < 1e-8, "{worst:e}");
+    // each over its own size: at 0.2 N the means are 26 000 times the vibration
+    let [means, vibration] = worst;
+    println!(
+        "{stuck} stuck, {slip} slip, {lift} lift; means {means:.1e}, vibration {vibration:.1e}"
+    );
+    assert!(means < 1e-11, "{means:e}");
+    assert!(vibration < 1e-10, "{vibration:e}");
     assert!(
         stuck + slip + lift >= 20 && slip >= 5 && lift >= 5,
         "{stuck} {slip} {lift}"

@@ -50,14 +50,27 @@ fn solutions(
 
 /// Largest difference between the responses of a ring and those that the sector's solution says of all sectors, over the
 /// largest response of a harmonic above 0.
-pub(super) fn distance(
+fn distance(ring: &Solution, sector: &Solution, n_sectors: usize, engine_order: usize) -> f64 {
+    let [means, vibration] = differences(ring, sector, n_sectors, engine_order);
+    means.worst.max(vibration.worst) / vibration.largest
+}
+
+/// What differs between two solutions, and how large the quantity itself is (m).
+#[derive(Default)]
+pub(super) struct Difference {
+    pub(super) worst: f64,
+    pub(super) largest: f64,
+}
+
+/// How much the means, and how much the harmonics of the vibration of every sector of `ring` differ from those of `sector`.
+pub(super) fn differences(
     ring: &Solution,
     sector: &Solution,
     n_sectors: usize,
     engine_order: usize,
-) -> f64 {
+) -> [Difference; 2] {
     let n = sector.responses.len() / sector.harmonics.n_coefficients();
-    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    let mut differences = [Difference::default(), Difference::default()];
     for (i, &k) in sector.harmonics.orders().iter().enumerate() {
         for (of, dof) in (0..n_sectors).flat_map(|s| (0..n).map(move |dof| (s, dof))) {
             let width = n * n_sectors;
@@ -73,13 +86,12 @@ pub(super) fn distance(
                 });
             let angle = TAU * (k * engine_order * of) as f64 / n_sectors as f64;
             let expected = ours * c64::new(angle.cos(), -angle.sin());
-            worst = worst.max((theirs - expected).norm());
-            if k > 0 {
-                largest = largest.max(expected.norm());
-            }
+            let of_order = &mut differences[k.min(1)];
+            of_order.worst = of_order.worst.max((theirs - expected).norm());
+            of_order.largest = of_order.largest.max(expected.norm());
         }
     }
-    worst / largest
+    differences
 }
 
 /// Excitation levels (N): contacts stick at the lowest and separate at the highest.

@@ -103,7 +103,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
     }
 
     /// The solution at `omega` on a segment on which it could not be located, because the branch is ragged there: from its ends, the nearer
-    /// one first, no farther from them than they are apart.
+    /// one first, no farther from them than they are apart. Around a corner that is more than the length along the tangent.
     ///
     /// # Errors
     /// `failure`, if neither end leads to a solution.
@@ -115,6 +115,8 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         failure: Status,
     ) -> Result<Iterate<'p>, Status> {
         let away = |end: &BranchPoint<'_>| (end.iterate.point.omega - omega).abs();
+        let [from, to] = [self.from, self.to].map(|end| &end.iterate.point);
+        let apart = distance(balance, from, to);
         let mut ends = [self.from, self.to];
         ends.sort_by(|a, b| away(a).total_cmp(&away(b)));
         let found = ends.into_iter().find_map(|end| {
@@ -123,7 +125,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
                 ..end.iterate.point.clone()
             };
             let found = solve(balance, start.clone(), Condition::FixedFrequency, newton).ok()?;
-            (distance(balance, &found.point, &start) <= self.length).then_some(found)
+            (distance(balance, &found.point, &start) <= apart).then_some(found)
         });
         found.ok_or(failure)
     }
