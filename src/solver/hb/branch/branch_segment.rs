@@ -103,7 +103,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
     }
 
     /// The solution at `omega` on a segment on which it could not be located, because the branch is ragged there: from its ends, the nearer
-    /// one first, no farther from them than they are apart. Around a corner that is more than the length along the tangent.
+    /// one first, no farther from them than they are apart, straight or along the tangent: around a corner the first is more.
     ///
     /// # Errors
     /// `failure`, if neither end leads to a solution.
@@ -116,7 +116,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
     ) -> Result<Iterate<'p>, Status> {
         let away = |end: &BranchPoint<'_>| (end.iterate.point.omega - omega).abs();
         let [from, to] = [self.from, self.to].map(|end| &end.iterate.point);
-        let apart = distance(balance, from, to);
+        let apart = distance(balance, from, to).max(self.length);
         let mut ends = [self.from, self.to];
         ends.sort_by(|a, b| away(a).total_cmp(&away(b)));
         let found = ends.into_iter().find_map(|end| {
