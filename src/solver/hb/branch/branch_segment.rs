@@ -103,10 +103,11 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
     }
 
     /// The solution at `omega` on a segment on which it could not be located, because the branch is ragged there: from its ends, the nearer
-    /// one first, no farther from them than they are apart, straight or along the tangent: around a corner the first is more.
+    /// one first, no farther from them than they are apart, straight or along the tangent (around a corner the first is more), or a
+    /// solution to which both lead.
     ///
     /// # Errors
-    /// `failure`, if neither end leads to a solution.
+    /// `failure`, if there is none of these.
     pub(in crate::hb) fn solved_from_ends(
         &self,
         balance: &Balance<'p>,
@@ -114,20 +115,29 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         newton: NewtonSettings,
         failure: Status,
     ) -> Result<Iterate<'p>, Status> {
-        let away = |end: &BranchPoint<'_>| (end.iterate.point.omega - omega).abs();
-        let [from, to] = [self.from, self.to].map(|end| &end.iterate.point);
-        let apart = distance(balance, from, to).max(self.length);
-        let mut ends = [self.from, self.to];
+        let mut ends = [self.from, self.to].map(|end| &end.iterate.point);
+        let apart = distance(balance, ends[0], ends[1]).max(self.length);
+        let away = |end: &Point| (end.omega - omega).abs();
         ends.sort_by(|a, b| away(a).total_cmp(&away(b)));
-        let found = ends.into_iter().find_map(|end| {
+        let mut farther: Vec<Iterate<'p>> = Vec::new();
+        for end in ends {
             let start = Point {
                 omega,
-                ..end.iterate.point.clone()
+                ..end.clone()
             };
-            let found = solve(balance, start.clone(), Condition::FixedFrequency, newton).ok()?;
-            (distance(balance, &found.point, &start) <= apart).then_some(found)
-        });
-        found.ok_or(failure)
+            let solved = solve(balance, start.clone(), Condition::FixedFrequency, newton);
+            if let Ok(found) = solved {
+                if distance(balance, &found.point, &start) <= apart {
+                    return Ok(found);
+                }
+                farther.push(found);
+            }
+        }
+        let [one, other] = <[Iterate<'p>; 2]>::try_from(farther).map_err(|_| failure)?;
+        match distance(balance, &one.point, &other.point) <= FLOOR * apart {
+            true => Ok(one),
+            false => Err(failure),
+        }
     }
 
     /// [`Self::crossing`] with at most so many `halvings` of the segment.
