@@ -63,10 +63,10 @@ impl<T: Real> AftPlan<T> {
         let weight: Vec<f64> = (0..m)
             .map(|j| if j == 0 { 1.0 } else { 2.0 } / n_time as f64)
             .collect();
-        let functions = BasisFunctions::new(&orders, n_time);
+        let circle = circle_points(n_time);
+        let functions = BasisFunctions::new(&orders, &circle);
         let convert = |x: f64| T::from_f64(x);
         let value = |j: usize, i: usize| convert(functions.value(j, i));
-        let basis = (0..n_time).flat_map(|i| (0..m).map(move |j| (j, i)));
         let mut cosines = Vec::new();
         let mut sines = Vec::new();
         for i in 0..=n_time / 2 {
@@ -79,7 +79,7 @@ impl<T: Real> AftPlan<T> {
             arch: pulp::Arch::new(),
             m,
             waves: padded_waves(&functions, m),
-            basis: basis.map(|(j, i)| value(j, i)).collect(),
+            basis: functions.values.iter().copied().map(convert).collect(),
             cosine_weights,
             sine_weights,
             cosines,
@@ -87,11 +87,17 @@ impl<T: Real> AftPlan<T> {
             per_order: (0..=2 * harmonics.highest())
                 .map(|k| convert(n_time as f64 / (TAU * k.max(1) as f64)))
                 .collect(),
-            prefix: prefix_sums(&functions.cos, &functions.sin, 2 * harmonics.highest() + 1),
+            prefix: prefix_sums(&circle, 2 * harmonics.highest() + 1),
             weight: weight.into_iter().map(convert).collect(),
             order_numbers: orders[1..].iter().map(|&k| convert(k as f64)).collect(),
             orders,
         }
+    }
+
+    /// The same tables for another instruction set, which must be one of this processor. It gives the same bits.
+    #[must_use]
+    pub fn with_arch(self, arch: pulp::Arch) -> Self {
+        Self { arch, ..self }
     }
 
     /// Numbers in its tables that grow with time points and harmonics.
@@ -153,30 +159,37 @@ impl<T: Real> AftPlan<T> {
 /// The functions 1, cos kθ and sin kθ of a harmonic set at the samples.
 struct BasisFunctions {
     orders: Vec<usize>,
-    /// Of the n-th parts of a turn.
-    cos: Vec<f64>,
-    sin: Vec<f64>,
+    /// Shape: `[time][coefficient]`.
+    values: Vec<f64>,
 }
 
 impl BasisFunctions {
-    fn new(orders: &[usize], n_time: usize) -> Self {
-        let (cos, sin) = circle_points(n_time);
+    fn new(orders: &[usize], (cos, sin): &(Vec<f64>, Vec<f64>)) -> Self {
+        let n_time = cos.len();
+        let mut values = Vec::with_capacity(n_time * (2 * orders.len() - 1));
+        let mut turns = Turns::new(&orders[1..], n_time);
+        for _ in 0..n_time {
+            values.push(1.0);
+            for &phase in &turns.phases {
+                values.extend([cos[phase], sin[phase]]);
+            }
+            turns.advance();
+        }
         let orders = orders.to_vec();
-        Self { orders, cos, sin }
+        Self { orders, values }
+    }
+
+    fn n_coefficients(&self) -> usize {
+        2 * self.orders.len() - 1
     }
 
     fn n_time(&self) -> usize {
-        self.cos.len()
+        self.values.len() / self.n_coefficients()
     }
 
     /// Function j at sample i.
     fn value(&self, j: usize, i: usize) -> f64 {
-        let phase = self.orders[j.div_ceil(2)] * i % self.n_time();
-        if j % 2 == 1 || j == 0 {
-            self.cos[phase]
-        } else {
-            self.sin[phase]
-        }
+        self.values[i * self.n_coefficients() + j]
     }
 
     /// Its derivative by the phase.
@@ -185,6 +198,34 @@ impl BasisFunctions {
             0 => 0.0,
             _ if j % 2 == 1 => -(self.orders[j.div_ceil(2)] as f64) * self.value(j + 1, i),
             _ => self.orders[j / 2] as f64 * self.value(j - 1, i),
+        }
+    }
+}
+
+/// Phases of harmonics at one sample after the other, in n-th parts of a turn: order times sample, modulo n.
+struct Turns<'a> {
+    orders: &'a [usize],
+    n_time: usize,
+    phases: Vec<usize>,
+}
+
+impl<'a> Turns<'a> {
+    /// At sample 0. Orders are below `n_time`.
+    fn new(orders: &'a [usize], n_time: usize) -> Self {
+        Self {
+            orders,
+            n_time,
+            phases: vec![0; orders.len()],
+        }
+    }
+
+    /// To the next sample.
+    fn advance(&mut self) {
+        for (phase, order) in self.phases.iter_mut().zip(self.orders) {
+            *phase += order;
+            if *phase >= self.n_time {
+                *phase -= self.n_time;
+            }
         }
     }
 }
@@ -243,17 +284,20 @@ fn circle_points(n: usize) -> (Vec<f64>, Vec<f64>) {
         .unzip()
 }
 
-/// Σ_{i' < i} cos(k θ_i') and sin(k θ_i'), shape `[n + 1][2][n_orders]`, summed in double precision.
-fn prefix_sums<T: Real>(cos: &[f64], sin: &[f64], n_orders: usize) -> Vec<T> {
-    let n = cos.len();
+/// Σ_{i' < i} cos(k θ_i') and sin(k θ_i') for k below `n_orders`, shape `[Nt + 1][2][n_orders]`, summed in double precision.
+fn prefix_sums<T: Real>((cos, sin): &(Vec<f64>, Vec<f64>), n_orders: usize) -> Vec<T> {
+    let n_time = cos.len();
+    let orders: Vec<usize> = (0..n_orders).collect();
+    let mut turns = Turns::new(&orders, n_time);
     let mut sums = vec![0.0; 2 * n_orders];
-    let mut table = Vec::with_capacity((n + 1) * 2 * n_orders);
-    for i in 0..=n {
+    let mut table = Vec::with_capacity((n_time + 1) * 2 * n_orders);
+    for _ in 0..=n_time {
         table.extend(sums.iter().map(|&s| T::from_f64(s)));
-        for k in 0..n_orders {
-            sums[k] += cos[k * i % n];
-            sums[n_orders + k] += sin[k * i % n];
+        for (k, &phase) in turns.phases.iter().enumerate() {
+            sums[k] += cos[phase];
+            sums[n_orders + k] += sin[phase];
         }
+        turns.advance();
     }
     table
 }

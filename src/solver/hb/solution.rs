@@ -113,7 +113,7 @@ impl Solution {
             responses,
             residual: iterate.relative_residual(balance),
             contact: ContactFractions::new(&iterate.contact.counts),
-            flight_fraction: flight_fraction(balance, &iterate.point.r),
+            flight_fraction: flight_fraction(balance, iterate),
             work: CycleWork::new(balance, iterate),
             kinetic_energy: kinetic_energy(iterate),
             truncation_error: None,
@@ -229,8 +229,11 @@ impl ContactFractions {
 }
 
 /// Share of the phases at which every pair is open, and every image of one.
-fn flight_fraction(balance: &Balance<'_>, r: &[f64]) -> f64 {
-    let contacts = &balance.problem.contacts;
+fn flight_fraction(balance: &Balance<'_>, iterate: &Iterate<'_>) -> f64 {
+    if (iterate.contact.counts.iter()).any(|counts| counts.separated == 0) {
+        return 0.0;
+    }
+    let (contacts, r) = (&balance.problem.contacts, &iterate.point.r);
     let normal = 2 * contacts.len();
     let open = |theta: f64| {
         let basis = balance.harmonics.basis(theta);

@@ -207,6 +207,45 @@ fn forces_are_admissible_in_time() {
     assert!(worst < 1e-9 && slips > 1000, "{worst:e} {slips}");
 }
 
+/// The strip flies at the time points at which no pair is closed, counted plainly: motions of all pairs in phase, and one with a pair that
+/// never opens. Seen to fail where it never flies.
+#[test]
+fn the_strip_flies_while_every_pair_is_open() {
+    with_plane(|problem, settings| {
+        let (set, n_time) = (&settings.harmonics, settings.aft.n_time);
+        let balance = Balance::new(problem, set.clone(), settings.aft);
+        let n = problem.contacts.len();
+        let share = |depth: f64, of_first: f64| {
+            let mut point = Point::stuck(&balance, 330.0 * TAU, 1.0);
+            for (pair, p) in problem.contacts.iter().enumerate() {
+                let depth = if pair == 0 { of_first } else { depth };
+                // normal force where it is closed: 1 N + depth cos θ + 0.1 N sin θ
+                for (j, force) in [1.0 - p.n_0, depth, 0.1].into_iter().enumerate() {
+                    point.r[(3 * j + 2) * n + pair] = force / p.k_n;
+                }
+            }
+            let iterate = Iterate::new(&balance, point);
+            let solution = Solution::new(&balance, &iterate, Status::Converged);
+            let is_open = |pair: usize, basis: &[f64]| {
+                let [_, _, normal] = relative_of(&solution, n, pair);
+                let p = &problem.contacts[pair];
+                let approach: f64 = basis.iter().zip(&normal).map(|(b, q)| b * q).sum();
+                p.n_0 + p.k_n * approach <= 0.0
+            };
+            let rows = phases(n_time).into_iter().map(|theta| set.basis(theta));
+            let flies = |basis: &Vec<f64>| (0..n).all(|pair| is_open(pair, basis));
+            let share = rows.filter(flies).count() as f64 / n_time as f64;
+            assert_eq!(solution.flight_fraction, share, "{depth} {of_first}");
+            share
+        };
+        let shares = [(0.5, 0.5), (1.5, 1.2), (5.0, 5.0), (5.0, 0.5)]
+            .map(|(depth, of_first)| share(depth, of_first));
+        println!("{shares:?}");
+        assert!(shares[1] > 0.1 && shares[2] > 0.3, "{shares:?}");
+        assert_eq!([shares[0], shares[3]], [0.0; 2]);
+    });
+}
+
 /// f − Z q − Bᵀ F of harmonic k of the full model: the equation that is solved, from the model's matrices alone.
 fn unbalanced(model: &ReducedModel, solution: &Solution, i: usize) -> Vec<c64> {
     let n = model.n_dofs();

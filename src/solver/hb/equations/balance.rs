@@ -22,6 +22,7 @@ use crate::harmonics::HarmonicSet;
 use crate::hb::settings::HbSettings;
 use crate::hb::structure::compliance::{Compliance, HarmonicCompliance};
 use faer::prelude::*;
+use std::cell::RefCell;
 
 /// A problem on one harmonic set, with the time points at which its contact forces are evaluated.
 #[derive(Debug)]
@@ -33,6 +34,8 @@ pub struct Balance<'p> {
     /// Order of the unknowns.
     pub layout: Layout,
     plan: AftPlan<f64>,
+    /// Buffers of the contact evaluation, which a study calls millions of times.
+    scratch: RefCell<AftScratch<f64>>,
 }
 
 /// Contact forces at one point r.
@@ -91,6 +94,7 @@ impl<'p> Balance<'p> {
             harmonics,
             layout,
             plan,
+            scratch: RefCell::default(),
         }
     }
 
@@ -146,7 +150,7 @@ impl<'p> Balance<'p> {
             parameters: self.problem.contacts.clone(),
         };
         let mut forces = AftForces::default();
-        let scratch = &mut AftScratch::default();
+        let scratch = &mut *self.scratch.borrow_mut();
         evaluate(&self.plan, &batch, want, scratch, &mut forces);
         let searched = self.plan.settings().laps == Laps::Periodic;
         let lost = |s: &StateSummary| s.periodicity == Periodicity::NotPeriodic;
