@@ -175,6 +175,25 @@ fn awkward_studies_are_drawn_too() {
     }
 }
 
+/// Figures of two levels have the letters of eight, too. Seen to fail with figures that fill whatever column they are in.
+#[test]
+fn two_levels_are_drawn_like_eight() {
+    let Some(browser) = browser() else { return };
+    let mut study = SyntheticStudy::new(60);
+    study.record.levels.truncate(2);
+    let criteria = &mut study.record.requirements.criteria;
+    criteria.retain(|criterion| criterion.level.is_none());
+    for outcome in study.outcomes.iter_mut().chain(&mut study.record.nominal) {
+        outcome.levels = outcome.levels.iter().take(2).cloned().collect();
+    }
+    let page = page(&mut study);
+    let figures = page.matches("<figure>").count();
+    for width in [360, 700, 1280] {
+        let found = measure(&browser, &page, width);
+        assert_sound(&found, width, figures, &format!("{width} px"));
+    }
+}
+
 /// The browser prints it, and a download is the figure itself. Seen to fail with the style sheet left out of the SVG.
 #[test]
 fn it_prints_and_figures_stand_alone() {

@@ -48,3 +48,14 @@ fn what_is_not_known_is_said() {
         "an empty panel is not marked"
     );
 }
+
+/// A loop has the lines through its stick branches, after both reversals, as far as it has them; the legend has one, too.
+#[test]
+fn fitted_branches_are_drawn() {
+    let mut found = identified(1);
+    let branches = |found: &Identified| page(found).split("class=\"line stuck\" d=\"").count() - 1;
+    let both = branches(&found);
+    let figure = found.tests[0].figure.as_mut().unwrap();
+    figure.stick_lines[1] = None;
+    assert_eq!((both, branches(&found)), (3, 2));
+}

@@ -207,6 +207,9 @@ fn figure(i: usize, friction: f64, stiffness: f64, load: f64) -> LoopFigure {
         .map(|k| 0.01 * limit * noise(k, 9 + i))
         .collect();
     let measured: Vec<f64> = fitted.iter().zip(&residual).map(|(f, r)| f + r).collect();
+    let stick_windows = [Some([10, 50]), Some([210, 250])];
+    let line = |ends: [usize; 2]| ends.map(|k| [displacement[k], fitted[k]]);
+    let stick_lines = stick_windows.map(|window| window.map(line));
     LoopFigure {
         displacement_m: displacement,
         force_ratio: measured.iter().map(|t| t / load).collect(),
@@ -214,9 +217,10 @@ fn figure(i: usize, friction: f64, stiffness: f64, load: f64) -> LoopFigure {
         tangential_force_n: measured,
         fitted_force_n: Some(fitted),
         residual_n: Some(residual),
-        stick_windows: [Some([10, 50]), Some([210, 250])],
+        stick_windows,
         plateaus: [Some([140, 190]), Some([340, 390])],
-        ..LoopFigure::default()
+        stick_lines,
+        approach_m: None,
     }
 }
 

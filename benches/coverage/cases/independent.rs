@@ -90,40 +90,53 @@ pub(crate) fn pairs(cases: &mut Cases) {
     });
 }
 
+/// Mean and standard deviation of exp(s z), z standard normal.
+fn of_lognormal(s: f64) -> [f64; 2] {
+    let square = s.powi(2);
+    [
+        (square / 2.0).exp(),
+        (square.exp_m1() * square.exp()).sqrt(),
+    ]
+}
+
 pub(crate) fn moments(cases: &mut Cases) {
     type Draw = fn(&mut Numbers) -> f64;
     let lognormal = |numbers: &mut Numbers| (0.56 * numbers.normal()).exp();
-    let square = 0.56_f64.powi(2);
-    let of_lognormal = (square.exp_m1() * square.exp()).sqrt();
-    let laws: [(&str, Draw, f64, f64); 4] = [
-        ("normal", Numbers::normal, 0.0, 1.0),
-        ("uniform", Numbers::uniform, 0.5, 1.0 / 12_f64.sqrt()),
-        ("exponential", exponential, 1.0, 1.0),
-        (
-            "lognormal, s = 0.56",
-            lognormal,
-            (square / 2.0).exp(),
-            of_lognormal,
-        ),
+    let laws: [(&str, Draw, [f64; 2]); 4] = [
+        ("normal", Numbers::normal, [0.0, 1.0]),
+        ("uniform", Numbers::uniform, [0.5, 1.0 / 12_f64.sqrt()]),
+        ("exponential", exponential, [1.0, 1.0]),
+        ("lognormal, s = 0.56", lognormal, of_lognormal(0.56)),
     ];
-    for (name, draw, mean, deviation) in laws {
-        for n in [8, 20, 40, 200] {
-            let estimate = move |numbers: &mut Numbers| {
-                let all = Observed::of((0..n).map(|_| draw(numbers)));
-                moment_estimate(&all, Interval::UNBOUNDED, CONFIDENCE).unwrap()
-            };
-            let samples = format!("{n} independent, {name}");
-            cases.add("mean", samples.clone(), move |numbers, _| {
-                estimate(numbers).mean.contains(mean)
+    let mut add = |intervals: [&'static str; 2],
+                   name: &str,
+                   draw: Draw,
+                   n: usize,
+                   [mean, deviation]: [f64; 2]| {
+        let estimate = move |numbers: &mut Numbers| {
+            let all = Observed::of((0..n).map(|_| draw(numbers)));
+            moment_estimate(&all, Interval::UNBOUNDED, CONFIDENCE).unwrap()
+        };
+        let samples = format!("{n} independent, {name}");
+        cases.add(intervals[0], samples.clone(), move |numbers, _| {
+            estimate(numbers).mean.contains(mean)
+        });
+        // fewer have no interval of the standard deviation
+        if n >= 40 {
+            cases.add(intervals[1], samples, move |numbers, _| {
+                estimate(numbers).standard_deviation.contains(deviation)
             });
-            // fewer have no interval of the standard deviation
-            if n >= 40 {
-                cases.add("standard deviation", samples, move |numbers, _| {
-                    estimate(numbers).standard_deviation.contains(deviation)
-                });
-            }
+        }
+    };
+    for (name, draw, truth) in laws {
+        for n in [8, 20, 40, 200] {
+            add(["mean", "standard deviation"], name, draw, n, truth);
         }
     }
+    // what no interval from samples alone holds for
+    let skewed = ["mean, skewness 6", "standard deviation, skewness 6"];
+    let exp = |numbers: &mut Numbers| numbers.normal().exp();
+    add(skewed, "exp(z)", exp, 200, of_lognormal(1.0));
 }
 
 /// a cos t + b sin t at six places, as the curves that bands are formed of.

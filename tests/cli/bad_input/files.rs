@@ -1,7 +1,7 @@
 //! Files that are no study, no matrix or no table: one message with the file, and the line where there is one.
 
 use super::{assert_refused, refuse_all};
-use crate::{MASS, STUDY, folder, microslip};
+use crate::{MASS, STIFFNESS, STUDY, folder, microslip, succeed, without_curves};
 
 /// Numbers of a Matrix Market file that no integer of the machine holds, and sizes that no memory does.
 const NO_SIZE: &str = "18446744073709551617";
@@ -245,4 +245,30 @@ fn pipes_and_devices_are_refused() {
     std::fs::create_dir(path.join("results")).unwrap();
     std::fs::rename(path.join("pipe"), path.join("results/run.json")).unwrap();
     refused("record", &["report", "results"], "results/run.json");
+}
+
+/// `verify` compares the report with what it should be, and does not wait for one that is a pipe.
+///
+/// Seen to fail with `std::fs::read`: a wait without end.
+#[test]
+#[cfg(unix)]
+fn verify_does_not_wait_for_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let study = without_curves(STUDY);
+    for (name, text) in [
+        ("study.toml", study.as_str()),
+        ("mass.mtx", MASS),
+        ("stiffness.mtx", STIFFNESS),
+    ] {
+        std::fs::write(path.join(name), text).unwrap();
+    }
+    succeed(path, &["run", "study.toml", "--output", "results"]);
+    let page = path.join("results/report.html");
+    std::fs::remove_file(&page).unwrap();
+    let made = std::process::Command::new("mkfifo").arg(&page).status();
+    assert!(made.unwrap().success(), "mkfifo");
+    let verified = microslip(path, &["verify", "results"]);
+    let rule = "report.html is not what this program makes";
+    assert_refused("page", &verified, &[rule]);
 }

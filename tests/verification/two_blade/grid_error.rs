@@ -4,8 +4,8 @@ use super::{K_N, K_T};
 use microslip::model::interface::InterfaceSettings;
 use microslip::model::two_blade::TwoBladeSettings;
 
-/// The stated error of a contact grid is 0.75 to 1.33 times that against a grid of 12 x 8 nodes and order 1.5, and smaller for a
-/// finer grid. Prints the numbers. Without the extrapolation beyond the finer grid it would say 0.12 Hz of 0.18.
+/// The stated error of a contact grid is 0.75 to 1.33 times that against a grid of 12 x 12 nodes and order 1.5, and smaller for a
+/// finer grid. Prints the numbers. Without the extrapolation beyond the finer grid it would say 0.12 Hz of 0.16.
 #[test]
 fn the_stated_grid_error_is_that_of_finer_grids() {
     let interface = InterfaceSettings {
@@ -14,7 +14,7 @@ fn the_stated_grid_error_is_that_of_finer_grids() {
         ..InterfaceSettings::default()
     };
     // the coarse blades of the comparison of grids above
-    let limit = 7.471;
+    let limit = 7.454;
     let stated = [[3, 2], [5, 3]].map(|contact_nodes| {
         let settings = TwoBladeSettings {
             contact_nodes,

@@ -31,6 +31,11 @@ pub(super) fn section(view: &View) -> Option<Section> {
         ),
         Key::new(
             Mark::Line,
+            "line stuck",
+            "stick branches: lines through these samples, after both reversals",
+        ),
+        Key::new(
+            Mark::Line,
             "rule quantile",
             "plateaus: the friction coefficient on both sides",
         ),
@@ -139,6 +144,10 @@ impl Drawn<'_> {
         );
         if let Some(fitted) = fitted {
             panel.line("free", self.cycle(fitted).into_iter());
+        }
+        for ends in self.columns.stick_lines.iter().flatten() {
+            let ends = ends.map(|[x, force]| (x * self.view.unit.per_metre, force));
+            panel.line("stuck", ends.into_iter());
         }
         let stiffness = self
             .test
