@@ -1,7 +1,7 @@
 //! Files that are no study, no matrix or no table: one message with the file, and the line where there is one.
 
 use super::{assert_refused, refuse_all};
-use crate::{MASS, STIFFNESS, STUDY, folder, microslip, succeed, without_curves};
+use crate::{MASS, STUDY, folder, microslip};
 
 /// Numbers of a Matrix Market file that no integer of the machine holds, and sizes that no memory does.
 const NO_SIZE: &str = "18446744073709551617";
@@ -190,6 +190,13 @@ fn other_encodings_name_line_and_cure() {
     assert_refused("matrix", &output, &["mass.mtx:1: is UTF-16 text"]);
 }
 
+/// A pipe that nobody writes to.
+#[cfg(unix)]
+fn make_pipe(path: &std::path::Path) {
+    let made = std::process::Command::new("mkfifo").arg(path).status();
+    assert!(made.unwrap().success(), "mkfifo");
+}
+
 /// A device that never ends and a pipe that nobody writes to are refused at once, wherever a file is named.
 ///
 /// Seen to fail with `std::fs::read_to_string`: 4 GB of memory, and a wait without end.
@@ -203,10 +210,7 @@ fn pipes_and_devices_are_refused() {
         assert_refused(what, &microslip(path, arguments), &[&expected]);
     };
     refused("device", &["inspect", "/dev/zero"], "/dev/zero");
-    let made = std::process::Command::new("mkfifo")
-        .arg(path.join("pipe"))
-        .status();
-    assert!(made.unwrap().success(), "mkfifo");
+    make_pipe(&path.join("pipe"));
     refused("study", &["run", "pipe"], "pipe");
     let write = |text: String| std::fs::write(path.join("study.toml"), text).unwrap();
     write(STUDY.replace("mass.mtx", "pipe"));
@@ -253,21 +257,12 @@ fn pipes_and_devices_are_refused() {
 #[test]
 #[cfg(unix)]
 fn verify_does_not_wait_for_a_report() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder("study.toml", "[output]\n", "[output]\ncurve_samples = 0\n");
     let path = folder.path();
-    let study = without_curves(STUDY);
-    for (name, text) in [
-        ("study.toml", study.as_str()),
-        ("mass.mtx", MASS),
-        ("stiffness.mtx", STIFFNESS),
-    ] {
-        std::fs::write(path.join(name), text).unwrap();
-    }
-    succeed(path, &["run", "study.toml", "--output", "results"]);
+    crate::succeed(path, &["run", "study.toml", "--output", "results"]);
     let page = path.join("results/report.html");
     std::fs::remove_file(&page).unwrap();
-    let made = std::process::Command::new("mkfifo").arg(&page).status();
-    assert!(made.unwrap().success(), "mkfifo");
+    make_pipe(&page);
     let verified = microslip(path, &["verify", "results"]);
     let rule = "report.html is not what this program makes";
     assert_refused("page", &verified, &[rule]);

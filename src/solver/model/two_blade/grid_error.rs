@@ -8,7 +8,7 @@ use crate::model::interface::InterfaceSettings;
 /// Components of the comparison have elements so many times as long (blades) and modes up to so small a part of the cut-off: both
 /// grids have the same ones, and only the interface counts.
 const COARSER: f64 = 4.0;
-/// Order of convergence that the limit is taken with, less than any that was measured
+/// Order of convergence that the limit is taken with, less than was measured where the shift still changes
 /// (`cargo test --release --test verification the_interface_converges -- --nocapture`).
 const ORDER: f64 = 1.5;
 /// Contact nodes per interface up to which a grid twice as fine is solved: with more it takes long.

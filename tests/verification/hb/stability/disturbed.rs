@@ -270,10 +270,10 @@ fn disturbances_grow_by_the_multipliers() {
 }
 
 /// The rig without modes above 60 kHz, forces as they are and turned round, by both laws: by the box law at 20 N, by the circle law at all levels.
-/// The last bound is for contacts that are open for 60 % of the period. Seen to fail with 0.05 there.
+/// The widest bound is for contacts that are open for 60 % of the period. Seen to fail with 0.05 there.
 #[test]
 fn disturbances_of_the_rig_grow_by_the_multipliers() {
-    let [mut by_box, mut turned_circle, mut open_circle]: [f64; 3] = [0.0; 3];
+    let mut bounded = 0;
     for (turned, law) in [
         (false, FrictionLaw::Box),
         (true, FrictionLaw::Box),
@@ -302,20 +302,19 @@ fn disturbances_of_the_rig_grow_by_the_multipliers() {
                 found.marched,
                 found.error()
             );
-            let error = found.error();
-            match law {
-                FrictionLaw::Box if peak.level < 40.0 => by_box = by_box.max(error),
+            let allowed = match (law, turned) {
+                (FrictionLaw::Circle, true) => 0.035,
+                _ if peak.level < 40.0 => 0.05,
+                (FrictionLaw::Circle, false) => 0.07,
                 // up to 0.17, printed only
-                FrictionLaw::Box => {}
-                FrictionLaw::Circle if turned => turned_circle = turned_circle.max(error),
-                FrictionLaw::Circle => open_circle = open_circle.max(error),
-            }
+                (FrictionLaw::Box, _) => continue,
+            };
+            let error = found.error();
+            assert!(error < allowed, "{} N: {error:e}", peak.level);
+            bounded += 1;
         }
     }
-    let worst = [by_box, turned_circle, open_circle];
-    let allowed = [0.05, 0.035, 0.07];
-    let holds = |(error, allowed): (&f64, f64)| *error > 0.0 && *error < allowed;
-    assert!(worst.iter().zip(allowed).all(holds), "{worst:?}");
+    assert!(bounded >= 5, "{bounded} states");
 }
 
 fn problem(linear: &LinearModel, contacts: Vec<ContactParameters<f64>>) -> Problem<'_> {
