@@ -7,17 +7,18 @@ use microslip::hb::peak::track::track_peaks;
 use microslip::model::interface::InterfaceSettings;
 use microslip::model::two_blade::{TwoBladeSettings, build};
 
-/// Contact nodes per interface, across the gap and along it. The first is the default.
-const GRIDS: [[usize; 2]; 9] = [
-    [5, 3],
-    [3, 5],
-    [4, 4],
-    [5, 4],
-    [4, 5],
-    [5, 5],
-    [6, 6],
-    [5, 8],
-    [8, 8],
+/// Contact nodes per interface, across the gap and along it, and their spacing at the gap. The first is the default.
+const GRIDS: [([usize; 2], f64); 10] = [
+    ([5, 3], 1.0),
+    ([3, 5], 1.0),
+    ([4, 4], 1.0),
+    ([4, 4], 0.8),
+    ([5, 4], 1.0),
+    ([4, 5], 1.0),
+    ([5, 5], 1.0),
+    ([6, 6], 1.0),
+    ([5, 8], 1.0),
+    ([8, 8], 1.0),
 ];
 /// Stiffnesses over the nominal ones.
 const SCALES: [f64; 3] = [0.1, 1.0, 10.0];
@@ -26,10 +27,11 @@ const LEVELS: [f64; 4] = [5.0, 10.0, 20.0, 50.0];
 
 /// Stuck shifts of neck bending, and the nominal peaks with as many harmonics as the default study asks for.
 pub(crate) fn grids() {
-    println!("nodes  shift at {SCALES:?} (Hz)  amplitude at {LEVELS:?} N (um/N)  seconds");
-    for contact_nodes in GRIDS {
+    println!("nodes, spacing  shift at {SCALES:?} (Hz)  amplitude at {LEVELS:?} N (um/N)  seconds");
+    for (contact_nodes, contact_spacing_at_gap) in GRIDS {
         let blades = TwoBladeSettings {
             contact_nodes,
+            contact_spacing_at_gap,
             ..TwoBladeSettings::default()
         };
         let rig = build(&blades).expect("valid");
@@ -56,6 +58,8 @@ pub(crate) fn grids() {
             })
             .collect();
         let [across, along] = contact_nodes;
-        println!("{across} x {along}  {shifts:.3?}  {amplitudes:?}  {seconds:.1}");
+        println!(
+            "{across} x {along}, {contact_spacing_at_gap}  {shifts:.3?}  {amplitudes:?}  {seconds:.1}"
+        );
     }
 }

@@ -101,6 +101,11 @@ impl BladeSettings {
     /// displacement of its contact only.
     #[must_use]
     pub fn model(&self, strip: &StripSettings) -> TwoBladeSettings {
+        let TwoBladeSettings {
+            contact_nodes,
+            contact_spacing_at_gap,
+            ..
+        } = TwoBladeSettings::default();
         TwoBladeSettings {
             neck_mm: self.neck_mm,
             platform_mm: self.platform_mm,
@@ -109,7 +114,8 @@ impl BladeSettings {
             blade_damping_ratio: self.damping_ratio,
             excitation_height: self.excitation_height,
             excitation_direction: self.excitation_direction,
-            contact_nodes: TwoBladeSettings::default().contact_nodes,
+            contact_nodes,
+            contact_spacing_at_gap,
             ..strip.model()
         }
     }

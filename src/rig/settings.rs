@@ -111,6 +111,8 @@ pub struct StripSettings {
     /// Contact pairs of the interface, [across the gap, along it].
     #[serde(deserialize_with = "crate::setting::exactly")]
     pub contact_nodes: [usize; 2],
+    /// Distance of the contact pairs from each other next to the gap, over that of Gauss' rule.
+    pub contact_spacing_at_gap: f64,
     /// Young's modulus (GPa).
     pub youngs_modulus_gpa: f64,
     /// Density (kg/m³).
@@ -127,6 +129,7 @@ impl Default for StripSettings {
             gap_mm: model.gap_mm,
             // finer than the model: slip spreads over the interface pair by pair
             contact_nodes: [8, 12],
+            contact_spacing_at_gap: 1.0,
             youngs_modulus_gpa: model.youngs_modulus_gpa,
             density_kg_m3: model.density_kg_m3,
             loss_at_1_khz: 2.0 * model.strip_damping_ratio,
@@ -143,6 +146,7 @@ impl StripSettings {
             strip_mm: blades.strip_mm,
             gap_mm: blades.gap_mm,
             contact_nodes: blades.contact_nodes,
+            contact_spacing_at_gap: blades.contact_spacing_at_gap,
             youngs_modulus_gpa,
             density_kg_m3,
             loss_at_1_khz: 2.0 * blades.strip_damping_ratio,
@@ -156,6 +160,7 @@ impl StripSettings {
             strip_mm: self.strip_mm,
             gap_mm: self.gap_mm,
             contact_nodes: self.contact_nodes,
+            contact_spacing_at_gap: self.contact_spacing_at_gap,
             youngs_modulus_gpa: self.youngs_modulus_gpa,
             density_kg_m3: self.density_kg_m3,
             ..TwoBladeSettings::default()

@@ -26,6 +26,16 @@ pub(crate) const K_T: f64 = 0.233e9;
 pub(crate) static RIG: LazyLock<TwoBladeModel> =
     LazyLock::new(|| build(&TwoBladeSettings::default()).expect("the default rig builds"));
 
+/// The rig on about as many points, closer at the gap, with which its amplitudes are those of a converged interface.
+static CLOSE_RIG: LazyLock<TwoBladeModel> = LazyLock::new(|| {
+    let settings = TwoBladeSettings {
+        contact_nodes: [4, 4],
+        contact_spacing_at_gap: 0.8,
+        ..TwoBladeSettings::default()
+    };
+    build(&settings).expect("builds")
+});
+
 /// Pairs of the rig: `scale` times the nominal stiffness, shared by area, friction coefficient `mu`.
 pub(crate) fn contacts(model: &ReducedModel, scale: f64, mu: f64) -> Vec<ContactParameters<f64>> {
     let interface = InterfaceSettings {

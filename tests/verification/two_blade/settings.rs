@@ -6,7 +6,7 @@ type Change = fn(&mut TwoBladeSettings);
 
 #[test]
 fn settings_name_the_broken_rule() {
-    let cases: [(&str, Change); 10] = [
+    let cases: [(&str, Change); 12] = [
         ("gap_mm", |s| s.gap_mm = 0.0),
         ("neck_mm", |s| s.neck_mm = [41.0, 10.0, 20.0]),
         ("strip_mm", |s| s.strip_mm = [15.0, 50.0, 0.4]),
@@ -14,6 +14,11 @@ fn settings_name_the_broken_rule() {
         ("blade_cut_off_hz", |s| s.blade_cut_off_hz = 0.0),
         ("strip_cut_off_hz", |s| s.strip_cut_off_hz = f64::INFINITY),
         ("contact_nodes", |s| s.contact_nodes = [5, 1]),
+        ("contact_spacing_at_gap", |s| s.contact_spacing_at_gap = 1.1),
+        ("contact_spacing_at_gap", |s| {
+            s.contact_nodes = [2, 3];
+            s.contact_spacing_at_gap = 0.8;
+        }),
         ("poisson_ratio", |s| s.poisson_ratio = 0.5),
         ("pressure_weights", |s| {
             s.pressure_weights = Some(vec![1.0; 3])

@@ -66,8 +66,12 @@ impl Layout {
             airfoil: metres(settings.airfoil_mm),
             airfoil_offset: mm_to_m(settings.airfoil_offset_mm),
             axis: 0.5 * (gap + platform[0]),
-            across: gauss_cells([-0.5 * strip[0], -0.5 * gap], n_across)?,
-            along: gauss_cells([-0.5 * strip[1], 0.5 * strip[1]], n_along)?,
+            across: contact_steps(
+                [-0.5 * strip[0], -0.5 * gap],
+                n_across,
+                settings.contact_spacing_at_gap,
+            )?,
+            along: contact_steps([-0.5 * strip[1], 0.5 * strip[1]], n_along, 1.0)?,
             platform,
             strip,
             gap,
@@ -209,11 +213,13 @@ impl Layout {
     }
 }
 
-/// Cells of Gauss' rule with `n` points over `span`: exact for polynomials up to degree 2n − 1.
+/// Steps of Gauss' rule with `n` points over `span`, mapped so that their distance at its end is `spacing` times that of the
+/// rule, and between there and its beginning grows in proportion: x = u + (1 − spacing) u (1 − u) of the rule's u in 0 .. 1. Exact for
+/// polynomials up to degree n − 1, and up to 2n − 1 with a `spacing` of 1.
 ///
-/// Points and weights are the eigenvalues and squared first components of the eigenvectors of the Jacobi matrix of
+/// Points and weights of the rule are the eigenvalues and squared first components of the eigenvectors of the Jacobi matrix of
 /// Legendre's polynomials. Source: Golub & Welsch 1969, Math. Comp. 23, 221.
-fn gauss_cells(span: [f64; 2], n: usize) -> Result<Vec<Cell>, LinalgError> {
+fn contact_steps(span: [f64; 2], n: usize, spacing: f64) -> Result<Vec<Cell>, LinalgError> {
     let beside = |k: usize| k as f64 / (4.0 * (k * k) as f64 - 1.0).sqrt();
     let jacobi = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
         1 => beside(i.max(j)),
@@ -222,10 +228,13 @@ fn gauss_cells(span: [f64; 2], n: usize) -> Result<Vec<Cell>, LinalgError> {
     let (points, vectors) = symmetric_eigen(jacobi.as_ref())?;
     let length = span[1] - span[0];
     let mut from = span[0];
+    let closer = 1.0 - spacing;
     let cells = (0..n).map(|i| {
-        let point = span[0] + 0.5 * (1.0 + points[i]) * length;
+        let u = 0.5 * (1.0 + points[i]);
+        let point = span[0] + (u + closer * u * (1.0 - u)) * length;
+        let stretch = 1.0 + closer * (1.0 - 2.0 * u);
         let to = match i + 1 < n {
-            true => from + vectors[(0, i)].powi(2) * length,
+            true => from + vectors[(0, i)].powi(2) * stretch * length,
             false => span[1],
         };
         let reach = (point - from).min(to - point);

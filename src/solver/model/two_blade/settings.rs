@@ -27,6 +27,8 @@ const RETENTION_N_PER_M: [f64; 2] = [1e-6, 1e15];
 const HIGHEST_CUT_OFF_HZ: f64 = 1e9;
 /// Contact nodes in one direction at most.
 const MOST_CONTACT_NODES: usize = 50;
+/// Spacing of contact nodes at the gap over that of Gauss' rule; below, nodes at the gap would stand for next to nothing.
+const SPACING_AT_GAP: [f64; 2] = [0.1, 1.0];
 /// Elements of a component at most: some gigabytes of memory.
 const MOST_ELEMENTS: f64 = 1e5;
 
@@ -94,6 +96,11 @@ pub struct TwoBladeSettings {
     #[serde(deserialize_with = "crate::setting::exactly")]
     #[schemars(inner(range(min = 1, max = MOST_CONTACT_NODES)))]
     pub contact_nodes: [usize; 2],
+    /// Distance of the contact nodes from each other next to the gap, over that of Gauss' rule; 1 is the rule itself. The strip bends
+    /// within some millimetres of the gap, and closer nodes resolve that. Fewer than three nodes across the gap need 1: with others
+    /// they would not hold a platform that rotates as the interface does.
+    #[schemars(range(min = SPACING_AT_GAP[0], max = SPACING_AT_GAP[1]))]
+    pub contact_spacing_at_gap: f64,
     /// Longest element edges in the blades along x, y, z (mm).
     #[serde(deserialize_with = "crate::setting::exactly")]
     #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
@@ -157,6 +164,7 @@ impl Default for TwoBladeSettings {
             strip_youngs_modulus_gpa: None,
             strip_density_kg_m3: None,
             contact_nodes: [5, 3],
+            contact_spacing_at_gap: 1.0,
             blade_element_mm: [5.0, 12.5, 5.0],
             strip_element_mm: 5.0,
             blade_cut_off_hz: 35e3,
@@ -303,6 +311,17 @@ impl TwoBladeSettings {
             &format!(
                 "needs 2 to {MOST_CONTACT_NODES} nodes along the gap, 1 to {MOST_CONTACT_NODES} across it"
             ),
+        )?;
+        within(
+            "contact_spacing_at_gap",
+            self.contact_spacing_at_gap,
+            SPACING_AT_GAP,
+        )?;
+        BadSetting::unless(
+            across >= 3 || self.contact_spacing_at_gap == 1.0,
+            "contact_spacing_at_gap",
+            self.contact_spacing_at_gap,
+            "must be 1 with fewer than three contact_nodes across the gap",
         )?;
         self.validate_elements()?;
         for (key, height) in [
