@@ -6,6 +6,7 @@
 )]
 
 mod grid_error;
+mod more_harmonics;
 mod relations;
 mod settings;
 mod strip;

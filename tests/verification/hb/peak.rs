@@ -9,9 +9,10 @@ use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
 use microslip::hb::peak::alert::{AlertSets, step_on};
+use microslip::hb::peak::more_harmonics::highest_on_both_sides;
 use microslip::hb::peak::predicted::{PeakPrediction, correct, phase_locked};
 use microslip::hb::peak::refine::{RefinementTarget, refined};
-use microslip::hb::peak::search::{PeakSettings, highest_on_both_sides};
+use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{AlertSettings, Balance, HbSettings, Status};
@@ -412,9 +413,10 @@ fn peaks_not_located_on_more_harmonics_stay_on_fewer() {
             let (sets, target) = (sets.as_ref(), RefinementTarget::Maximum(search));
             refined(&balance, iterate.into(), sets, target, settings.newton)
         };
+        // on 2 harmonics the peak is 5e-7 above that on one, on 3 and more 1.1e-4 below
         let narrow = refine(Band {
-            low: few.omega * (1.0 - 1e-7),
-            high: few.omega * (1.0 + 1e-7),
+            low: few.omega * (1.0 - 5e-5),
+            high: few.omega * (1.0 + 3e-7),
         });
         assert_eq!(narrow.status, Status::TruncationAboveThreshold);
         assert_eq!(narrow.harmonics.highest(), 1);

@@ -10,15 +10,14 @@
 //! A maximum that was predicted from other samples, whose branches are known, needs this only where the prediction is in doubt, on its
 //! resonance alone, or where another maximum of theirs is lost ([`Extent`]).
 
-use super::band::{SWEEP_STEP, maxima_of_sweeps};
+use super::band::maxima_of_sweeps;
+use super::branch_side::BranchSide;
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
-use super::search::{
-    BOTH_SIDES, Located, PeakSettings, find_peak, higher, higher_on_both_sides, maximum_on,
-};
+use super::search::{BOTH_SIDES, Located, PeakSettings, find_peak, higher, higher_on_both_sides};
 use crate::harmonics::HarmonicSet;
-use crate::hb::branch::branch_segment::BranchSegment;
-use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
+use crate::hb::branch::branch_point::BranchPoint;
+use crate::hb::branch::sweep::SweepDirection;
 use crate::hb::equations::balance::{Balance, balance_on};
 use crate::hb::equations::effort::WorkCount;
 use crate::hb::equations::problem::Problem;
@@ -27,11 +26,7 @@ use crate::hb::newton::{Condition, Iterate, Point};
 use crate::hb::route::PeakRoute;
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
-use crate::hb::status::Status;
-use std::ops::ControlFlow;
 
-/// Largest change of the frequency per step, as a share of the band.
-const ADVANCE: f64 = 0.1;
 /// Share by which another maximum must be higher.
 const LEAST_GAIN: f64 = 1e-3;
 /// Another maximum comes near that is at least so high beside the one found, on the harmonics of the study.
@@ -40,8 +35,6 @@ const COMES_NEAR: f64 = 0.92;
 const SAME: f64 = 5e-3;
 /// The branch of one resonance ends where the amplitude is below this share of its maximum.
 const FAR: f64 = 0.5;
-/// A step may hide a top that is so many times as high as its ends.
-const HIDDEN: f64 = 1.5;
 /// Newton iterations that may be spent on a branch.
 const BUDGET: usize = 3000;
 
@@ -153,9 +146,13 @@ fn maxima_on_branch<'p>(
     let (newton, effort) = (settings.newton, &balance.problem.effort);
     let least = 1.0 + LEAST_GAIN;
     let budget = newton.budget.min(BUDGET);
+    let is_wanted = |to: &BranchPoint<'p>, highest: f64| {
+        extent == Extent::Band || to.response.norm() >= FAR * highest
+    };
     let (sides, beside) = effort.with_own_budget(budget, || {
         let sides = [SweepDirection::Downward, SweepDirection::Upward];
-        let sides = sides.map(|side| on_side(balance, start, side, settings, peak, extent));
+        let sides =
+            sides.map(|side| BranchSide::followed(balance, start, side, peak, newton, is_wanted));
         // a step is longer than the distance of two maxima side by side
         let start = Iterate::new(balance, start.clone());
         let n_starts = BOTH_SIDES.len();
@@ -170,50 +167,4 @@ fn maxima_on_branch<'p>(
     };
     let maxima = sides.into_iter().flat_map(|side| side.maxima);
     maxima.chain(beside).chain(elsewhere).collect()
-}
-
-/// A branch from a maximum on one side.
-struct Side<'p> {
-    /// The maxima that it passes, but for those far below another.
-    maxima: Vec<Located<'p>>,
-    /// Whether it was followed as far as wanted.
-    is_whole: bool,
-}
-
-/// The branch from `start` towards one end of the band, or a part of it.
-fn on_side<'p>(
-    balance: &Balance<'p>,
-    start: &Point,
-    direction: SweepDirection,
-    settings: &HbSettings,
-    peak: PeakSettings,
-    extent: Extent,
-) -> Side<'p> {
-    let newton = settings.newton;
-    let sweep = SweepSettings {
-        band: peak.band,
-        direction,
-        largest_step: SWEEP_STEP,
-        largest_advance: ADVANCE,
-    };
-    let start = Iterate::new(balance, start.clone());
-    let mut highest = start.response(balance).norm();
-    let mut maxima: Vec<Located<'p>> = Vec::new();
-    let end = follow(balance, start, sweep, newton, |from, to| {
-        let top = f64::max(from.response.norm(), to.response.norm());
-        if HIDDEN * top > highest {
-            let segment = BranchSegment::new(&from, to);
-            let located = maximum_on(&segment, balance, peak, newton);
-            highest = highest.max(top);
-            maxima.extend(located);
-        }
-        match extent == Extent::Resonance && to.response.norm() < FAR * highest {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
-    });
-    Side {
-        maxima,
-        is_whole: end.status == Status::Converged,
-    }
 }

@@ -6,8 +6,9 @@
 
 use super::alert::{AlertSets, TruncationEstimate};
 use super::anchored::{AnchorInverse, anchored};
+use super::more_harmonics::highest_on_more;
 use super::predicted::{PeakPrediction, correct, maximum_near};
-use super::search::{Located, PeakSettings, highest_beside, highest_on_both_sides};
+use super::search::{Located, PeakSettings, highest_beside};
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::balance::balance_on;
@@ -23,6 +24,10 @@ use std::time::Instant;
 
 /// Largest change of ŷ by more harmonics at a fixed frequency, over |ŷ|: a solution farther away is another answer.
 const SAME_ANSWER: f64 = 0.5;
+
+/// A maximum on a larger set that was searched around the one on fewer harmonics is at least so high beside it, if the error of that one
+/// is known: a lower one belongs to another leg of the branch.
+const LEAST_SHARE: f64 = 0.95;
 
 /// What is held while harmonics are added.
 #[derive(Debug, Clone, Copy)]
@@ -62,8 +67,8 @@ impl RefinementTarget {
         }
     }
 
-    /// The solution on `larger` harmonics, searched on both sides of the solution `found` of `balance`: for maxima only.
-    fn searched_on_both_sides<'p>(
+    /// The solution on `larger` harmonics, searched around the solution `found` of `balance`: for maxima only.
+    fn searched_around<'p>(
         self,
         balance: &Balance<'p>,
         found: &Iterate<'p>,
@@ -72,7 +77,7 @@ impl RefinementTarget {
     ) -> Option<Located<'p>> {
         match self {
             Self::Frequency => None,
-            Self::Maximum(peak) => highest_on_both_sides(balance, found, larger, peak, newton),
+            Self::Maximum(peak) => highest_on_more(balance, found, larger, peak, newton),
         }
     }
 }
@@ -190,21 +195,33 @@ impl<'p> Refinement<'_, '_, 'p> {
     ) -> Option<OnSet<'p>> {
         let sets = self.sets;
         if sets.is_accepted(estimate.error) {
-            None
-        } else if estimate.error.is_finite() {
-            let mut wanted = sets.above(at.set, estimate.error).into_iter();
-            wanted.find_map(|set| self.found_next_to(at, estimate, phasor, set))
-        } else {
-            // the smallest set is the least work, and the alert checks the solution on it again
-            let mut larger = sets.larger(at.set).into_iter();
-            larger.find_map(|set| {
-                let (balance, iterate) = (sets.balance(at.set), &at.found.iterate);
-                let larger = sets.balance(set);
-                let target = self.target;
-                let found = target.searched_on_both_sides(balance, iterate, larger, self.newton)?;
-                Some(OnSet { set, found })
-            })
+            return None;
         }
+        let wanted = match estimate.error.is_finite() {
+            true => sets.above(at.set, estimate.error),
+            false => Vec::new(),
+        };
+        let next_to =
+            (wanted.into_iter()).find_map(|set| self.found_next_to(at, estimate, phasor, set));
+        next_to.or_else(|| self.found_around(at, estimate))
+    }
+
+    /// The solution on the smallest larger set on which a search around the solution finds one: a maximum that more harmonics split or
+    /// move far. The smallest set is the least work, and the alert checks the solution on it again.
+    fn found_around(&self, at: &OnSet<'p>, estimate: &TruncationEstimate) -> Option<OnSet<'p>> {
+        let sets = self.sets;
+        let (balance, iterate) = (sets.balance(at.set), &at.found.iterate);
+        let least = match estimate.error.is_finite() {
+            true => LEAST_SHARE * iterate.response(balance).norm(),
+            false => 0.0,
+        };
+        let mut larger = sets.larger(at.set).into_iter();
+        larger.find_map(|set| {
+            let larger = sets.balance(set);
+            let found = (self.target).searched_around(balance, iterate, larger, self.newton)?;
+            let is_enough = found.iterate.response(larger).norm() >= least;
+            is_enough.then_some(OnSet { set, found })
+        })
     }
 
     /// The solution on `set`, started at the point of the estimate, or else at the solution itself.

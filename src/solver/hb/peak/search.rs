@@ -8,7 +8,7 @@ use super::corner::maximum_between;
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Condition, Iterate, Point, solve};
+use crate::hb::newton::{Iterate, Point};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
@@ -214,30 +214,6 @@ pub(crate) fn highest_nearby<'p>(
     (others.into_iter()).fold(found, |best, other| higher(balance, best, other))
 }
 
-/// The highest maximum on `larger` harmonics next to the maximum `found` on those of `balance`. It is searched from both
-/// sides: more harmonics may split a maximum into two, with none between them.
-pub fn highest_on_both_sides<'p>(
-    balance: &Balance<'p>,
-    found: &Iterate<'p>,
-    larger: &Balance<'p>,
-    settings: PeakSettings,
-    newton: NewtonSettings,
-) -> Option<Located<'p>> {
-    let first = along_branch(
-        balance,
-        Iterate::new(balance, found.point.clone()),
-        settings,
-    );
-    let maxima = beside(balance, &first, newton).filter_map(|starts| {
-        let mut starts = starts.filter_map(|(_, beside)| {
-            let start = beside.point.padded(balance, larger);
-            solve(larger, start, Condition::FixedFrequency, newton).ok()
-        });
-        starts.find_map(|start| find_peak(larger, start, settings, newton).ok())
-    });
-    maxima.reduce(|best, other| higher(larger, best, other))
-}
-
 /// A maximum next to the maximum `found` whose amplitude is more than `least` times that of `found`, the higher one of both sides. A start
 /// close to `found` may lead back to it; then one farther away is taken, `n_starts` at most. Where the amplitude is one parabola there is
 /// no other maximum, and nothing is searched.
@@ -254,7 +230,7 @@ pub(crate) fn higher_on_both_sides<'p>(
         Iterate::new(balance, found.point.clone()),
         settings,
     );
-    let sides: Vec<Vec<ArcPoint<'p>>> = beside(balance, &first, newton)
+    let sides: Vec<Vec<ArcPoint<'p>>> = beside(balance, &first, &BOTH_SIDES, newton)
         .map(|starts| {
             let on_branch = |(s, start)| {
                 let point = BranchPoint::in_metric(balance, start, first.metric);
@@ -288,15 +264,16 @@ fn is_one_parabola<'a, 'p: 'a>(points: impl Iterator<Item = &'a ArcPoint<'p>>) -
     least > 0.0 && largest <= EVEN * least
 }
 
-/// On each side of the point `first`, the solutions at the distances [`BOTH_SIDES`] that can be found, the closest one first, with their
-/// arclengths from `first`.
-fn beside<'a, 'p>(
+/// On each side of the point `first`, the solutions at these `distances` that can be found, the closest one first, with their arclengths
+/// from `first`.
+pub(super) fn beside<'a, 'p>(
     balance: &'a Balance<'p>,
     first: &'a BranchPoint<'p>,
+    distances: &'a [f64],
     newton: NewtonSettings,
 ) -> impl Iterator<Item = impl Iterator<Item = (f64, Iterate<'p>)>> {
     SIDES.into_iter().map(move |side| {
-        let steps = BOTH_SIDES.iter().map(move |step| side * step);
+        let steps = distances.iter().map(move |step| side * step);
         steps.filter_map(move |step| Some((step, first.step(balance, step, newton).ok()?)))
     })
 }
@@ -320,7 +297,8 @@ pub(crate) fn highest_beside<'p>(
     higher.unwrap_or(found)
 }
 
-fn along_branch<'p>(
+/// The solution `iterate` on its branch, in the metric of searches.
+pub(super) fn along_branch<'p>(
     balance: &Balance<'p>,
     iterate: Iterate<'p>,
     settings: PeakSettings,
