@@ -17,7 +17,6 @@ use super::refine::refined_maximum;
 use super::search::{BOTH_SIDES, Located, PeakSettings, find_peak, higher, higher_on_both_sides};
 use crate::harmonics::HarmonicSet;
 use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::branch::sweep::SweepDirection;
 use crate::hb::equations::balance::{Balance, balance_on};
 use crate::hb::equations::effort::WorkCount;
 use crate::hb::equations::problem::Problem;
@@ -150,9 +149,7 @@ fn maxima_on_branch<'p>(
         extent == Extent::Band || to.response.norm() >= FAR * highest
     };
     let (sides, beside) = effort.with_own_budget(budget, || {
-        let sides = [SweepDirection::Downward, SweepDirection::Upward];
-        let sides =
-            sides.map(|side| BranchSide::followed(balance, start, side, peak, newton, is_wanted));
+        let sides = BranchSide::both(balance, start, peak, newton, is_wanted);
         // a step is longer than the distance of two maxima side by side
         let start = Iterate::new(balance, start.clone());
         let n_starts = BOTH_SIDES.len();

@@ -25,15 +25,27 @@ pub(super) struct BranchSide<'p> {
 }
 
 impl<'p> BranchSide<'p> {
+    /// The branch on both sides of `start`, downward first.
+    pub(super) fn both(
+        balance: &Balance<'p>,
+        start: &Point,
+        peak: PeakSettings,
+        newton: NewtonSettings,
+        is_wanted: impl Fn(&BranchPoint<'p>, f64) -> bool,
+    ) -> [Self; 2] {
+        let sides = [SweepDirection::Downward, SweepDirection::Upward];
+        sides.map(|side| Self::followed(balance, start, side, peak, newton, &is_wanted))
+    }
+
     /// The branch from `start` towards one end of the band, for as long as `is_wanted` says so of the point reached and of the largest
     /// amplitude (m) met before.
-    pub(super) fn followed(
+    fn followed(
         balance: &Balance<'p>,
         start: &Point,
         direction: SweepDirection,
         peak: PeakSettings,
         newton: NewtonSettings,
-        is_wanted: impl Fn(&BranchPoint<'p>, f64) -> bool,
+        is_wanted: &impl Fn(&BranchPoint<'p>, f64) -> bool,
     ) -> Self {
         let sweep = SweepSettings {
             band: peak.band,

@@ -7,7 +7,6 @@
 use super::branch_side::BranchSide;
 use super::search::{Located, PeakSettings, along_branch, beside, find_peak, higher};
 use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::branch::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Condition, Iterate, solve};
 use crate::hb::settings::NewtonSettings;
@@ -35,8 +34,7 @@ pub(super) fn highest_on_more<'p>(
     let is_near = |to: &BranchPoint<'p>, _| (to.iterate.point.omega - omega).abs() <= reach;
     let budget = newton.budget.min(BUDGET);
     let sides = balance.problem.effort.with_own_budget(budget, || {
-        let sides = [SweepDirection::Downward, SweepDirection::Upward];
-        sides.map(|side| BranchSide::followed(larger, &start, side, peak, newton, is_near))
+        BranchSide::both(larger, &start, peak, newton, is_near)
     });
     let maxima = sides.into_iter().flat_map(|side| side.maxima);
     Some(maxima.fold(next, |best, other| higher(larger, best, other)))
