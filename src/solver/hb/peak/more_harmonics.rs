@@ -5,7 +5,7 @@
 //! the resonance is found, and the branch through it leads to the maximum.
 
 use super::branch_side::BranchSide;
-use super::search::{Located, PeakSettings, along_branch, beside, find_peak, higher};
+use super::search::{Located, PeakSettings, beside, branch_through, find_peak, higher};
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Condition, Iterate, solve};
@@ -16,6 +16,8 @@ use crate::hb::settings::NewtonSettings;
 const DISTANCES: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 0.8];
 /// The branch is followed up to so many times the distance in frequency between the maximum on fewer harmonics and the one next to it.
 const REACH: f64 = 2.0;
+/// A band of at most so many frequency tolerances is not searched: every point of it would pass for the maximum.
+const NARROW: f64 = 10.0;
 /// Newton iterations that may be spent on the branch.
 const BUDGET: usize = 600;
 
@@ -28,8 +30,12 @@ pub(super) fn highest_on_more<'p>(
     peak: PeakSettings,
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
+    let omega = found.point.omega;
+    if peak.band.width() <= NARROW * peak.frequency_tolerance * omega {
+        return None;
+    }
     let next = highest_on_both_sides(balance, found, larger, peak, newton)?;
-    let (start, omega) = (next.iterate.point.clone(), found.point.omega);
+    let start = next.iterate.point.clone();
     let reach = REACH * (start.omega - omega).abs();
     let is_near = |to: &BranchPoint<'p>, _| (to.iterate.point.omega - omega).abs() <= reach;
     let budget = newton.budget.min(BUDGET);
@@ -49,11 +55,7 @@ pub fn highest_on_both_sides<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
-    let first = along_branch(
-        balance,
-        Iterate::new(balance, found.point.clone()),
-        settings,
-    );
+    let first = branch_through(balance, &found.point, settings);
     let sides = beside(balance, &first, &DISTANCES, newton);
     let maxima = sides.filter_map(|starts| {
         let mut starts = starts.filter_map(|(_, beside)| {

@@ -225,11 +225,7 @@ pub(crate) fn higher_on_both_sides<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
-    let first = along_branch(
-        balance,
-        Iterate::new(balance, found.point.clone()),
-        settings,
-    );
+    let first = branch_through(balance, &found.point, settings);
     let sides: Vec<Vec<ArcPoint<'p>>> = beside(balance, &first, &BOTH_SIDES, newton)
         .map(|starts| {
             let on_branch = |(s, start)| {
@@ -297,8 +293,16 @@ pub(crate) fn highest_beside<'p>(
     higher.unwrap_or(found)
 }
 
-/// The solution `iterate` on its branch, in the metric of searches.
-pub(super) fn along_branch<'p>(
+/// The solution at `point` on its branch, in the metric of searches.
+pub(super) fn branch_through<'p>(
+    balance: &Balance<'p>,
+    point: &Point,
+    settings: PeakSettings,
+) -> BranchPoint<'p> {
+    along_branch(balance, Iterate::new(balance, point.clone()), settings)
+}
+
+fn along_branch<'p>(
     balance: &Balance<'p>,
     iterate: Iterate<'p>,
     settings: PeakSettings,
